@@ -1,0 +1,1 @@
+"""Actuation: from a wanted wrench to thrusters and back to a wrench."""

@@ -1,0 +1,1 @@
+"""Controllers: from measurements to force and torque."""

@@ -1,0 +1,59 @@
+"""Free rigid body in six degrees of freedom: Euler's equations and a double integrator."""
+
+import numpy as np
+
+from ..component import Component
+from ..declarations import Input, Parameter, State
+from ..maths import IDENTITY, cross, is_unit, leading_minors, quaternion_rate, rotate, unit
+
+
+class FreeRigidBody(Component):
+    """Spacecraft far from any mass, pushed and turned by a wrench about its centre of mass.
+
+    R' = R S(Ω)                                                                          (3)
+    J Ω' = J Ω × Ω + τ + τ_d                                                             (4)
+    r' = v                                                                               (5)
+    m v' = R f + f_d                                                                     (6)
+
+    Force f and torque τ are given in the body frame, as thrusters produce them; the disturbance
+    force f_d in the inertial frame, the disturbance torque τ_d in the body frame.
+
+    Source: coupled LOS attitude and position control paper, eqs. (3)-(6).
+    """
+
+    force = Input(3, "N", frame="body", doc="control force")
+    torque = Input(3, "N.m", frame="body", doc="control torque about the centre of mass")
+    disturbance_force = Input(3, "N", frame="inertial", doc="disturbance force")
+    disturbance_torque = Input(3, "N.m", frame="body", doc="disturbance torque")
+    mass = Parameter((), "kg", 1.0, min=1e-9, doc="mass")
+    inertia = Parameter((3, 3), "kg.m2", np.eye(3), frame="body", doc="inertia matrix")
+    position = State(3, "m", frame="inertial", output=True, doc="centre of mass")
+    velocity = State(3, "m/s", frame="inertial", output=True, doc="velocity")
+    attitude = State(4, "1", IDENTITY, output=True, doc="attitude, body to inertial, scalar last")
+    angular_velocity = State(3, "rad/s", frame="body", output=True, doc="angular velocity")
+
+    def derivatives(self, velocity, attitude, angular_velocity, force, torque,
+                    disturbance_force, disturbance_torque, mass, inertia):
+        J, Ω = inertia, angular_velocity
+        moment = cross(J @ Ω, Ω) + torque + disturbance_torque
+        return {
+            "position": velocity,                                                      # (5)
+            "velocity": (rotate(attitude, force) + disturbance_force) / mass,          # (6)
+            "attitude": quaternion_rate(attitude, Ω),                                  # (3)
+            "angular_velocity": np.linalg.solve(J, moment),                            # (4)
+        }
+
+    def project(self, attitude):
+        return {"attitude": unit(attitude)}
+
+    def requirements(self, attitude, inertia):
+        J = inertia
+        # J_j + J_k >= J_i for the principal moments is: ½ tr(J) I - J positive semidefinite
+        margin = (0.5 + 1e-9) * np.trace(J) * np.eye(3) - J
+        return {
+            "inertia must be symmetric": np.max(np.abs(J - J.T)) <= 1e-9 * np.trace(J),
+            "inertia must be positive definite": np.min(np.stack(leading_minors(J))) > 0.0,
+            "inertia must satisfy the triangle inequality of its principal moments":
+                np.min(np.stack(leading_minors(margin))) > 0.0,
+            "attitude must be a unit quaternion": is_unit(attitude),
+        }

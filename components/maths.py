@@ -1,0 +1,80 @@
+"""Rotations and vectors shared by all blocks.
+
+Attitude is a unit quaternion q = [x, y, z, w], scalar last, body to inertial: R(q) v_body is
+v_inertial. R(q) does not depend on the sign of q. All functions accept numpy arrays and, for
+code generation, symbols of the same shape.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .declarations import Array, Condition, Scalar
+
+IDENTITY: tuple[float, ...] = (0.0, 0.0, 0.0, 1.0)
+UNIT_TOLERANCE = 1e-6  # allowed | |q| - 1 | of an attitude that a block receives
+NEXT, LAST = np.array([1, 2, 0]), np.array([2, 0, 1])  # cyclic successors of the axes x, y, z
+
+
+def cross(a: Array, b: Array) -> Array:
+    """a × b for 3-vectors, or for the columns of two matrices with three rows.
+
+    `np.cross` does the same, several times slower on single vectors.
+    """
+    return a[NEXT] * b[LAST] - a[LAST] * b[NEXT]
+
+
+def unit(vector: Array) -> Array:
+    """The vector divided by its norm; the norm must not be zero."""
+    return vector / np.linalg.norm(vector)
+
+
+def scalar_last(vector: Array, scalar: Scalar) -> Array:
+    """The four numbers [vector, scalar]."""
+    return np.concatenate([vector, np.reshape(scalar, (1,))])
+
+
+def rotate(q: Array, v: Array) -> Array:
+    """R(q) v: from the body frame to the inertial frame."""
+    t = 2.0 * cross(q[:3], v)
+    return v + q[3] * t + cross(q[:3], t)
+
+
+def rotate_inverse(q: Array, v: Array) -> Array:
+    """R(q)^T v: from the inertial frame to the body frame."""
+    t = 2.0 * cross(q[:3], v)
+    return v - q[3] * t + cross(q[:3], t)
+
+
+def multiply(p: Array, q: Array) -> Array:
+    """Hamilton's product p q, so that R(p q) = R(p) R(q)."""
+    vector = p[3] * q[:3] + q[3] * p[:3] + cross(p[:3], q[:3])
+    return scalar_last(vector, p[3] * q[3] - p[:3] @ q[:3])
+
+
+def conjugate(q: Array) -> Array:
+    """The inverse rotation of a unit quaternion."""
+    return scalar_last(-q[:3], q[3])
+
+
+def quaternion_rate(q: Array, body_rate: Array) -> Array:
+    """dq/dt = ½ q [Ω, 0] for the angular velocity Ω in the body frame (R' = R S(Ω))."""
+    return 0.5 * multiply(q, scalar_last(body_rate, np.zeros(())))
+
+
+def small_rotation(angles: Array, v: Array) -> Array:
+    """The vector turned by a rotation vector (rad), exact to second order, norm kept."""
+    return rotate(unit(scalar_last(0.5 * angles, np.ones(()))), v)
+
+
+def is_unit(vector: Array) -> Condition:
+    """Whether a vector or quaternion has norm 1 within UNIT_TOLERANCE."""
+    return np.abs(np.linalg.norm(vector) - 1.0) <= UNIT_TOLERANCE
+
+
+def leading_minors(matrix: Array) -> tuple[Scalar, Scalar, Scalar]:
+    """The three leading principal minors of a 3x3 matrix: all positive if positive definite."""
+    first = matrix[0, 0]
+    second = matrix[0, 0] * matrix[1, 1] - matrix[0, 1] * matrix[1, 0]
+    third = matrix[0] @ cross(matrix[1], matrix[2])
+    return first, second, third

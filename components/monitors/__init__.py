@@ -1,0 +1,1 @@
+"""Monitors: error and energy functions of true states, to plot and to test."""
