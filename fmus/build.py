@@ -1,0 +1,122 @@
+"""Build the FMU of a block, or take it from the cache.
+
+The cache is keyed by the content of everything that goes into an FMU, so that a change in a block
+rebuilds its FMU and no other.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Literal, TypeAlias
+
+import platformdirs
+
+from ..components.component import Component
+from .errors import BuildError
+from .load import load_block
+from .model import Model, model_of
+from .sources import block_sources
+from .tracing import Trace, TracingError, trace
+from .units import UnitError, unit
+
+Target: TypeAlias = Literal["python", "native"]
+
+
+def cache_folder() -> Path:
+    """Where built FMUs are kept: SIGHTLINE_CACHE, or the user's cache folder."""
+    return Path(os.environ.get("SIGHTLINE_CACHE") or platformdirs.user_cache_dir("sightline"))
+
+
+def build(
+    component: str,
+    *,
+    structure: Mapping[str, int] | None = None,
+    target: Target | None = None,
+    fmi: Literal[2, 3] = 2,
+    platforms: Sequence[str] | None = None,
+    out: Path | None = None,
+) -> Path:
+    """The path of the block's FMU, built if the cache does not hold it.
+
+    ``component``: a block's name or ``file.py:Class``. ``target``: None takes native where a C
+    compiler is found and the block can be traced, else python. ``platforms``: of a native FMU,
+    None for this machine's. ``out``: a folder that gets a copy named after the block; None leaves
+    the FMU in the cache. Raises BuildError with every reason.
+    """
+    block = load_block(component, structure)
+    chosen = target or _default_target(block)
+    if chosen == "python" and fmi != 2:
+        raise BuildError(component, ["a Python FMU is FMI 2.0; FMI 3.0 needs --target native"])
+    if chosen == "python" and platforms:
+        raise BuildError(component, ["a Python FMU takes no platform, it runs on Python"])
+    key = _key(block, chosen, fmi, platforms)
+    cached = cache_folder() / f"{block.name}-{key}.fmu"
+    if not cached.is_file():
+        _build(component, block, chosen, fmi, platforms, cached)
+    if out is None:
+        return cached
+    out.mkdir(parents=True, exist_ok=True)
+    return Path(shutil.copyfile(cached, out / f"{block.name}.fmu"))
+
+
+def _build(
+    component: str, block: Component, target: Target, fmi: Literal[2, 3],
+    platforms: Sequence[str] | None, path: Path,
+) -> None:  # fmt: skip
+    model = describe(component, block, target)
+    if target == "python":
+        from .python.target import build_python
+
+        build_python(model, path)
+    else:
+        from .native.target import build_native
+
+        build_native(model, fmi=fmi, platforms=platforms, out=path)
+
+
+def describe(component: str, block: Component, target: Target) -> Model:
+    """The interface of the block's FMU. Raises BuildError for unknown units or, native, tracing."""
+    problems = []
+    for name, quantity in block.quantities.items():
+        try:
+            unit(str(quantity.unit))
+        except UnitError as error:
+            problems.append(f"{block.name}.{name}: {error}")
+    traced: Trace | None = None
+    try:
+        traced = trace(block)
+    except TracingError as error:
+        if target == "native":
+            problems.append(str(error))
+    if problems:
+        raise BuildError(component, problems)
+    return model_of(block, traced, derivatives=target == "native")
+
+
+def _default_target(block: Component) -> Target:
+    from .native.target import compiler_available
+
+    if not compiler_available():
+        return "python"
+    try:
+        trace(block)
+    except TracingError:
+        return "python"
+    return "native"
+
+
+def _key(
+    block: Component, target: Target, fmi: int, platforms: Sequence[str] | None
+) -> str:
+    sha = hashlib.sha256(repr((sorted(block.structure.items()), target, fmi,
+                               sorted(platforms or ()))).encode())
+    for name, content in sorted(block_sources(type(block)).items()):
+        sha.update(name.encode() + content)
+    for path in sorted(Path(__file__).parent.rglob("*")):
+        if path.suffix in (".py", ".c", ".h"):
+            sha.update(path.read_bytes())
+    return sha.hexdigest()[:16]

@@ -1,0 +1,113 @@
+"""Build a Python FMU (FMI 2.0 co-simulation): pythonfmu's archive, with our description in it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import sys
+import tempfile
+import threading
+import zipfile
+from pathlib import Path
+from typing import Any
+
+from pythonfmu.builder import FmuBuilder
+
+from ..archive import write_archive
+from ..documentation import documentation
+from ..fmi2 import render
+from ..model import Model
+from ..sources import block_module, block_sources
+from . import noise, runtime, slave, solvers
+
+RUNTIME = (noise, runtime, slave, solvers)
+CAPABILITIES = {
+    "needsExecutionTool": "true", "canHandleVariableCommunicationStepSize": "true",
+    "canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true",
+    "canNotUseMemoryManagementFunctions": "true",
+}  # fmt: skip
+ENTRY = '''"""Entry point of the FMU: pythonfmu looks here for the slave class."""
+
+from {package}.fmus.python.slave import BlockSlave, keep
+from {package}.{module} import {block}
+
+keep(globals())  # pythonfmu releases them at every instantiation
+
+class {block}Slave(BlockSlave):
+    """The slave of {block}."""
+
+    block_class = {block}
+    structure = {structure!r}
+'''
+
+_builder_lock = threading.Lock()  # pythonfmu's builder changes sys.path and sys.modules
+
+
+def build_python(model: Model, out: Path) -> None:
+    """Write the FMU of a block to ``out``."""
+    block = type(model.block)
+    files = block_sources(block) | {
+        f"fmus/python/{Path(str(m.__file__)).name}": Path(str(m.__file__)).read_bytes()
+        for m in RUNTIME
+    }
+    for package in ("", "fmus/", "fmus/python/"):
+        files.setdefault(f"{package}__init__.py", b"")
+    layout = json.dumps([_slot(v) for v in model.variables], indent=1).encode()
+    digest = _digest({**files, slave.LAYOUT_FILE: layout, "structure": repr(
+        model.block.structure).encode(), "xml": render(model, "", {"CoSimulation": CAPABILITIES})})
+    unique = f"sightline_{block.__name__.lower()}_{digest[:12]}"
+    entry = ENTRY.format(package=unique, module=block_module(block), block=block.__name__,
+                         structure=model.block.structure)
+    with tempfile.TemporaryDirectory(prefix="sightline-") as folder:
+        members = _pythonfmu_archive(Path(folder), unique, entry, files, layout)
+    identifier = f"{block.__name__}Slave"
+    members = {n.replace(f"/{identifier}.", f"/{block.__name__}.") if n.startswith("binaries/")
+               else n: c for n, c in members.items()}
+    members["modelDescription.xml"] = render(model, f"{{{digest}}}", {"CoSimulation": CAPABILITIES})
+    write_archive(out, members | documentation(model))
+
+
+def _slot(variable: Any) -> dict[str, Any]:
+    start = variable.start
+    return {
+        "name": variable.name, "kind": variable.kind, "shape": list(variable.shape),
+        "reference": variable.reference, "min": variable.min, "max": variable.max,
+        "start": None if start is None else start.ravel().tolist(),
+        "is_output": variable.is_output,
+    }  # fmt: skip
+
+
+def _digest(files: dict[str, bytes]) -> str:
+    sha = hashlib.sha256()
+    for name in sorted(files):
+        sha.update(name.encode() + b"\0" + files[name] + b"\0")
+    return sha.hexdigest()[:32]
+
+
+def _pythonfmu_archive(
+    folder: Path, unique: str, entry: str, files: dict[str, bytes], layout: bytes
+) -> dict[str, bytes]:
+    """Members of the archive that pythonfmu's builder makes of the entry and the package."""
+    source = folder / "source"
+    for name, content in files.items():
+        path = source / unique / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content)
+    script = source / f"{unique}_slave.py"
+    script.write_text(entry, encoding="utf-8")
+    (source / slave.LAYOUT_FILE).write_bytes(layout)
+    with _builder_lock:
+        path_before, modules_before = list(sys.path), set(sys.modules)
+        try:
+            FmuBuilder.build_FMU(
+                script, dest=folder / "out.fmu",
+                project_files=[source / unique, source / slave.LAYOUT_FILE],
+            )
+        finally:
+            sys.path[:] = path_before
+            for name in set(sys.modules) - modules_before:
+                if name.startswith(unique):
+                    del sys.modules[name]
+    with zipfile.ZipFile(folder / "out.fmu") as archive:
+        return {n: archive.read(n) for n in archive.namelist()
+                if "__pycache__" not in n and not n.endswith("/")}
