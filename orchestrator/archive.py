@@ -1,0 +1,210 @@
+"""Reads .fmu files into descriptions; says what is wrong with a file that cannot be used."""
+
+from __future__ import annotations
+
+import itertools
+import re
+import zipfile
+import zlib
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import fmpy
+import fmpy.model_description as fmd
+from lxml import etree
+
+from .description import FmuDescription, Kind, Port
+from .errors import FmuError
+from .units import BASE, Unit
+
+KINDS: dict[str, Kind] = {
+    "Real": "real",
+    "Integer": "integer",
+    "Boolean": "boolean",
+    "String": "string",
+    "Enumeration": "enumeration",
+}
+INDEXED = re.compile(r"^(?P<base>.+)\[(?P<index>\d+(?:,\s*\d+)*)\]$")
+SUPPORTED = ("2.0",)
+
+
+def read(path: Path) -> FmuDescription:
+    """The description of an FMU. Raises FmuError if the file cannot be run on this machine."""
+    text, names = _open(path)
+    version = text.get("fmiVersion", "")
+    if version not in SUPPORTED:
+        raise FmuError(
+            str(path),
+            f"is of FMI {version or '(no version)'}",
+            f"supported: FMI {', '.join(SUPPORTED)} for co-simulation",
+        )
+    try:
+        model = fmd.read_model_description(str(path), validate=False)
+    except Exception as error:
+        raise FmuError(str(path), f"its modelDescription.xml is not valid: {error}") from None
+    if model.coSimulation is None:
+        raise FmuError(
+            str(path),
+            "offers no co-simulation, only model exchange",
+            "export it for co-simulation",
+        )
+    _require_binary(path, model.coSimulation.modelIdentifier, names)
+    return FmuDescription(
+        path=path,
+        version=version,
+        model_name=model.modelName,
+        identifier=model.coSimulation.modelIdentifier,
+        token=model.guid,
+        description=model.description or "",
+        generator=model.generationTool or "",
+        ports=ports(model.modelVariables, _units(model), _frames(text)),
+        feedthrough=_feedthrough(model),
+        variable_step=model.coSimulation.canHandleVariableCommunicationStepSize,
+        can_restore=model.coSimulation.canGetAndSetFMUstate,
+    )
+
+
+def extract(description: FmuDescription, folder: Path) -> None:
+    """Unpack an FMU's archive. Raises FmuError if the archive is damaged."""
+    try:
+        fmpy.extract(str(description.path), str(folder))
+    except (zipfile.BadZipFile, zlib.error, EOFError, OSError) as error:
+        raise FmuError(str(description.path), f"is a damaged archive: {error}") from None
+
+
+def _open(path: Path) -> tuple[Any, list[str]]:
+    if not path.exists():
+        siblings = sorted(p.name for p in path.parent.glob("*.fmu"))[:8]
+        remedy = f"in that folder: {', '.join(siblings)}" if siblings else ""
+        raise FmuError(str(path), "does not exist", remedy)
+    if not path.is_file():
+        raise FmuError(str(path), "is not a file", "name the .fmu file")
+    try:
+        with zipfile.ZipFile(path) as archive:
+            names = archive.namelist()
+            if "modelDescription.xml" not in names:
+                raise FmuError(str(path), "is not an FMU: it has no modelDescription.xml")
+            return etree.fromstring(archive.read("modelDescription.xml")), names
+    except (zipfile.BadZipFile, zlib.error, EOFError) as error:
+        raise FmuError(
+            str(path), f"is not an FMU or is damaged: {error}", "build or fetch it again"
+        ) from None
+    except etree.XMLSyntaxError as error:
+        raise FmuError(str(path), f"its modelDescription.xml is not XML: {error}") from None
+
+
+def _require_binary(path: Path, identifier: str, names: Iterable[str]) -> None:
+    present = sorted({n.split("/")[1] for n in names if re.match(r"binaries/[^/]+/.", n)})
+    binary = f"binaries/{fmpy.platform}/{identifier}{fmpy.sharedLibraryExtension}"
+    if binary not in set(names):
+        has = f"it has binaries for {', '.join(present)}" if present else "it has no binaries"
+        raise FmuError(
+            str(path),
+            f"cannot run on this platform: no {binary}",
+            f"{has}; export it for {fmpy.platform}",
+        )
+
+
+def _units(model: Any) -> dict[str, Unit]:
+    units = {}
+    for unit in model.unitDefinitions:
+        base = unit.baseUnit
+        if base is None:
+            units[unit.name] = Unit(unit.name)
+        else:
+            exponents = tuple(int(getattr(base, b, 0) or 0) for b in BASE)
+            units[unit.name] = Unit(unit.name, exponents, base.factor, base.offset)
+    return units
+
+
+def _frames(text: Any) -> dict[str, str]:
+    """Frame roles by the variable's name, from this project's annotation."""
+    frames = {}
+    for variable in text.iterfind("ModelVariables/*"):
+        frame = variable.find("Annotations/Tool[@name='sightline']/Frame")
+        if frame is not None and frame.text:
+            frames[variable.get("name")] = frame.text.strip()
+    return frames
+
+
+def _feedthrough(model: Any) -> dict[int, frozenset[int]]:
+    """For each output's reference the inputs' references; without a declaration, all inputs."""
+    inputs = frozenset(v.valueReference for v in model.modelVariables if v.causality == "input")
+    result = {v.valueReference: inputs for v in model.modelVariables if v.causality == "output"}
+    for unknown in model.outputs:
+        if unknown.dependencies is not None:
+            acting = frozenset(v.valueReference for v in unknown.dependencies)
+            result[unknown.variable.valueReference] = acting & inputs
+    return result
+
+
+def ports(
+    variables: Iterable[Any], units: Mapping[str, Unit], frames: Mapping[str, str]
+) -> dict[str, Port]:
+    """Scalars named ``x[1]``, ``x[2]``, ... grouped into arrays; everything else as it is."""
+    groups: dict[str, list[tuple[tuple[int, ...], Any]]] = {}
+    variables = list(variables)
+    for variable in variables:
+        match = INDEXED.match(variable.name)
+        if match:
+            index = tuple(int(i) for i in match["index"].split(","))
+            groups.setdefault(match["base"], []).append((index, variable))
+    taken = {v.name for v in variables}
+    shapes = {b: s for b, m in groups.items() if b not in taken and (s := _shape(m)) is not None}
+    result: dict[str, Port] = {}
+    for variable in variables:
+        match = INDEXED.match(variable.name)
+        base = match["base"] if match else ""
+        if base in result and base in shapes:
+            continue
+        if base in shapes:
+            members = [v for _, v in sorted(groups[base], key=lambda m: m[0])]
+            result[base] = _port(base, shapes[base], members, units, frames)
+        else:
+            result[variable.name] = _port(variable.name, (), [variable], units, frames)
+    return result
+
+
+def _shape(members: list[tuple[tuple[int, ...], Any]]) -> tuple[int, ...] | None:
+    """The array that indices fill completely, counted from 1; None if they do not."""
+    if len({(v.causality, v.type, v.unit) for _, v in members}) != 1:
+        return None
+    if len({len(i) for i, _ in members}) != 1:
+        return None
+    shape = tuple(max(axis) for axis in zip(*(i for i, _ in members), strict=True))
+    full = set(itertools.product(*(range(1, n + 1) for n in shape)))
+    return shape if {i for i, _ in members} == full and len(members) == len(full) else None
+
+
+def _port(
+    name: str,
+    shape: tuple[int, ...],
+    members: list[Any],
+    units: Mapping[str, Unit],
+    frames: Mapping[str, str],
+) -> Port:
+    first = members[0]
+    declared = first.declaredType
+    unit = first.unit or getattr(declared, "unit", None)
+    low = first.min or getattr(declared, "min", None)
+    high = first.max or getattr(declared, "max", None)
+    starts = tuple(v.start for v in members)
+    settable = first.variability != "constant" and (
+        first.causality in ("input", "parameter") or first.initial in ("exact", "approx")
+    )
+    return Port(
+        name=name,
+        shape=shape,
+        kind=KINDS[first.type],
+        causality=first.causality,
+        references=tuple(v.valueReference for v in members),
+        unit=units.get(unit, Unit(unit)) if unit else None,
+        frame=frames.get(first.name, ""),
+        description=first.description or "",
+        settable=settable,
+        start=starts if all(s is not None for s in starts) else (),
+        minimum=None if low is None else float(low),
+        maximum=None if high is None else float(high),
+        items=tuple((i.name, int(i.value)) for i in declared.items) if declared else (),
+    )

@@ -1,0 +1,124 @@
+"""``sightline run`` and ``sightline demo``."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from importlib.resources import as_file, files
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from .cli import DONE, FAILED, MISUSED, STOPPED
+from .errors import ConfigError, FmuError, Problem, RunError
+from .progress import bar
+from .results import FILE, read, write_csv
+from .run import Interrupted, Statistics
+from .system import System
+
+EXAMPLE = ("los_formation", "system.toml")
+
+
+def run(config: Path, out: Path, settings: Sequence[str], csv: bool) -> int:
+    """Run a system; the exit code."""
+    console = Console(stderr=True, highlight=False, soft_wrap=True)
+
+    def say(text: str) -> None:
+        console.print(text, markup=False)
+
+    try:
+        system = System.from_toml(config, overrides(settings), say)
+        _say_if_slow(system, say)
+        for note in system.graph.notes:
+            say(f"note: {note}")
+        return _simulate(system, out, csv, console)
+    except ConfigError as error:
+        say(str(error))
+        return MISUSED
+    except FmuError as error:
+        say(str(error))
+        return FAILED
+    except OSError as error:
+        say(f"cannot write to {out}: {error}")
+        return FAILED
+
+
+def demo(out: Path, settings: Sequence[str], csv: bool) -> int:
+    """Run the packaged example; the exit code."""
+    with as_file(files("sightline.examples").joinpath(EXAMPLE[0])) as folder:
+        return run(folder / EXAMPLE[1], out, settings, csv)
+
+
+def overrides(settings: Sequence[str]) -> dict[str, Any]:
+    """Values of ``--set``. Raises ConfigError for text that is not ``instance.name=value``."""
+    values: dict[str, Any] = {}
+    problems = []
+    for setting in settings:
+        key, equals, text = (part.strip() for part in setting.partition("="))
+        where = f"--set {setting}"
+        if not equals or "." not in key:
+            problems.append(Problem(where, "is not of the form instance.name=value"))
+            continue
+        try:
+            values[key] = tomllib.loads(f"value = {text}")["value"]
+        except tomllib.TOMLDecodeError:
+            remedy = 'write numbers 1.5, arrays [1, 2], true, false, or "text"'
+            problems.append(Problem(where, f"{text!r} is not a value", remedy))
+    if problems:
+        raise ConfigError(problems)
+    return values
+
+
+def _simulate(system: System, out: Path, csv: bool, console: Console) -> int:
+    simulation = system.loaded.config.simulation
+    ending, code = "", DONE
+    statistics: Statistics | None = None
+    try:
+        with bar(simulation.start_time, simulation.stop_time, console) as show:
+            statistics = system.simulate(out, show)
+    except RunError as error:
+        ending, code = str(error), FAILED
+    except Interrupted as error:
+        ending, code = f"interrupted: {error}", STOPPED
+    if ending:
+        console.print(ending, markup=False)
+    if statistics is not None and not statistics.rested:
+        console.print(
+            "warning: outputs did not come to rest at the start; the system may have an "
+            "algebraic loop", markup=False,
+        )
+    _report(system, out, csv, code, console)
+    return code
+
+
+def _report(system: System, out: Path, csv: bool, code: int, console: Console) -> None:
+    """Draw and tabulate what there is, and say in one line where it is."""
+    results = read(out / FILE)
+    if not len(results.time):
+        console.print(f"nothing recorded; messages in {out / 'log.txt'}", markup=False)
+        return
+    parts = [f"{FILE} ({len(results.time)} samples of {len(results.series)} signals)"]
+    if csv:
+        parts.append(write_csv(out / FILE, system.selection.recorded).name)
+    plots = system.loaded.config.plots
+    if plots and len(results.time) > 1:
+        from .plots import draw
+
+        parts += [p.name for p in draw(out, plots, system.selection.drawn, results)]
+    if (out / "log.txt").exists():
+        parts.append("log.txt")
+    state = "results" if code == DONE else "results until then"
+    Console(highlight=False, soft_wrap=True).print(
+        f"{state} in {out}: {', '.join(parts)}", markup=False
+    )
+
+
+def _say_if_slow(system: System, say: Any) -> None:
+    instances = system.loaded.config.instances.values()
+    if not any(i.component is not None and i.target is None for i in instances):
+        return
+    from .building import compiler_missing
+
+    if compiler_missing():
+        say("no C compiler found: the FMUs run in Python, correct but slower")

@@ -1,0 +1,85 @@
+"""What can be wrong with a system or a run, as classes with fields and one rendering each."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One thing wrong with a system: where, what, and what would be right.
+
+    ``where`` is the place in the config (``instances.craft1.parameters.mas``) and ``file`` and
+    ``line`` the text that says it, as far as known.
+    """
+
+    where: str
+    what: str
+    remedy: str = ""
+    file: str = ""
+    line: int | None = None
+
+    def at(self, file: str, line: int | None) -> Problem:
+        """The same problem with its place in a file."""
+        return replace(self, file=file, line=line)
+
+    def __str__(self) -> str:
+        place = ":".join(str(p) for p in (self.file, self.line) if p not in ("", None))
+        head = f"{place}: {self.where}" if place else self.where
+        return f"{head}: {self.what}" + (f"; {self.remedy}" if self.remedy else "")
+
+
+class ConfigError(Exception):
+    """A system cannot be run as it is written; ``problems`` says everything that is wrong."""
+
+    def __init__(self, problems: Sequence[Problem]) -> None:
+        self.problems = tuple(sorted(problems, key=lambda p: (p.line is None, p.file, p.line or 0)))
+        super().__init__(*self.problems)
+
+    def __str__(self) -> str:
+        count = len(self.problems)
+        head = "1 problem" if count == 1 else f"{count} problems"
+        return "\n".join([head, *(f"  {p}" for p in self.problems)])
+
+
+@dataclass
+class FmuError(Exception):
+    """A file is not an FMU that can be used here: ``problem`` says why, ``remedy`` what to do."""
+
+    file: str
+    problem: str
+    remedy: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.file} {self.problem}" + (f"; {self.remedy}" if self.remedy else "")
+
+
+@dataclass
+class RunError(Exception):
+    """An FMU did not do what was asked: ``message`` is its own last word, if it said one."""
+
+    instance: str
+    time: float
+    action: str
+    status: str
+    message: str = ""
+
+    def __str__(self) -> str:
+        head = f"{self.instance} at t = {self.time:.10g} s: {self.action} ended with {self.status}"
+        return f"{head}: {self.message}" if self.message else head
+
+
+def nearest(name: str, valid: Iterable[str], kind: str = "") -> str:
+    """A remedy that lists the valid names nearest to ``name``, or all if they are few."""
+    names = [str(v) for v in valid]
+    prefix = f"{kind}: " if kind else ""
+    if not names:
+        return f"{prefix}there are none"
+    close = difflib.get_close_matches(name, names, n=3, cutoff=0.5)
+    if close:
+        return f"did you mean {' or '.join(close)}?"
+    if len(names) <= 8:
+        return f"{prefix or 'valid: '}{', '.join(sorted(names))}"
+    return f"{prefix or 'valid: '}{', '.join(sorted(names)[:8])}, …"

@@ -1,0 +1,190 @@
+"""The results file: ``/time`` and ``/<instance>/<port>``, with units, frames and the config.
+
+Rows are kept in memory and written now and then; what has been flushed stays readable when the
+process dies. The same config gives a bit-identical file: it holds no time of day.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import h5py
+import numpy as np
+
+from .graph import SystemGraph
+from .plan import Array
+from .signals import Signal
+
+FILE = "results.h5"
+TABLE = "results.csv"
+CHUNK = 1024  # rows
+TYPES = {"real": "f8", "integer": "i4", "enumeration": "i4", "boolean": "u1"}
+
+
+@dataclass(frozen=True)
+class Column:
+    """Where a signal's elements are in a row."""
+
+    signal: Signal
+    first: int
+    last: int
+
+
+class ResultsWriter:
+    """Appends rows; ``expected`` is how many. Raises OSError if the folder cannot be written."""
+
+    def __init__(
+        self,
+        folder: Path,
+        graph: SystemGraph,
+        signals: Sequence[Signal],
+        config: str,
+        expected: int = CHUNK,
+    ) -> None:
+        folder.mkdir(parents=True, exist_ok=True)
+        self.path = folder / FILE
+        self.path.unlink(missing_ok=True)
+        self.samples = 0
+        self.columns = _columns(signals)
+        self._chunk = max(1, min(CHUNK, expected))
+        self._file = h5py.File(self.path, "w", libver="earliest", track_order=True)
+        self._file.attrs["config"] = config
+        self._file.attrs["sightline_version"] = _version()
+        self._file.attrs["complete"] = False
+        self._time = self._dataset("time", (), "f8", {"unit": "s", "description": "time"})
+        self._datasets = [self._of(graph, c.signal) for c in self.columns]
+        self._file.flush()
+
+    def append(self, times: Array, rows: Array) -> None:
+        """Write rows of values and flush them."""
+        count = len(times)
+        if not count:
+            return
+        first, self.samples = self.samples, self.samples + count
+        for dataset in (self._time, *self._datasets):
+            dataset.resize(self.samples, axis=0)
+        self._time[first:] = times
+        for column, dataset in zip(self.columns, self._datasets, strict=True):
+            shape = (count, *column.signal.port.shape)
+            dataset[first:] = rows[:, column.first:column.last].reshape(shape)
+        self._file.flush()
+
+    def complete(self) -> None:
+        """Mark that the run reached its stop time."""
+        self._file.attrs["complete"] = True
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+    def __enter__(self) -> ResultsWriter:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _of(self, graph: SystemGraph, signal: Signal) -> Any:
+        node = graph.nodes[graph.index[signal.instance]]
+        port = signal.port
+        attributes = {
+            "unit": str(port.unit) if port.unit else "",
+            "frame": node.frame(port) or port.frame,
+            "description": port.description,
+        }
+        return self._dataset(signal.dataset, port.shape, TYPES[port.kind], attributes)
+
+    def _dataset(
+        self, name: str, shape: tuple[int, ...], kind: str, attributes: Mapping[str, str]
+    ) -> Any:
+        dataset = self._file.create_dataset(
+            name,
+            shape=(0, *shape),
+            maxshape=(None, *shape),
+            chunks=(self._chunk, *shape),
+            dtype=kind,
+            track_times=False,
+        )
+        dataset.attrs.update(attributes)
+        return dataset
+
+
+@dataclass(frozen=True)
+class Series:
+    """One recorded signal: values have the shape (samples, *port shape)."""
+
+    values: Array
+    unit: str
+    frame: str
+    description: str
+
+
+@dataclass(frozen=True)
+class Results:
+    """A results file in memory: ``results["craft1.position"]`` is an array over ``time``."""
+
+    time: Array
+    series: Mapping[str, Series]
+    complete: bool
+    config: str
+
+    def __getitem__(self, name: str) -> Array:
+        return self.series[name].values
+
+
+def read(path: Path) -> Results:
+    """Read a results file, complete or not. Raises OSError if it is none."""
+    with h5py.File(path, "r") as file:
+        found: dict[str, Series] = {}
+
+        def visit(name: str, item: Any) -> None:
+            if isinstance(item, h5py.Dataset) and name != "time":
+                attributes = (str(item.attrs[a]) for a in ("unit", "frame", "description"))
+                found[name.replace("/", ".", 1)] = Series(item[()], *attributes)
+
+        file.visititems(visit)
+        complete = bool(file.attrs["complete"])
+        return Results(file["time"][()], found, complete, str(file.attrs["config"]))
+
+
+def write_csv(results: Path, signals: Sequence[Signal]) -> Path:
+    """Write the table next to a results file: time, then every element of every signal."""
+    path = results.with_name(TABLE)
+    header = [
+        "time", *(f"{s.instance}.{s.port.label(e)}" for s in signals for e in s.elements)
+    ]
+    with h5py.File(results, "r") as file, path.open("w", newline="", encoding="utf-8") as out:
+        writer = csv.writer(out)
+        writer.writerow(header)
+        for first in range(0, len(file["time"]), CHUNK):
+            writer.writerows(_rows(file, signals, slice(first, first + CHUNK)))
+    return path
+
+
+def _rows(file: Any, signals: Sequence[Signal], part: slice) -> Iterator[list[float]]:
+    time = file["time"][part]
+    columns = [time.tolist()]
+    for signal in signals:
+        values = file[signal.dataset][part].reshape(len(time), -1)
+        columns += [values[:, i].tolist() for i in range(values.shape[1])]
+    return (list(row) for row in zip(*columns, strict=True))
+
+
+def _columns(signals: Sequence[Signal]) -> list[Column]:
+    ends = np.cumsum([0, *(len(s.elements) for s in signals)])
+    return [
+        Column(s, int(a), int(b)) for s, a, b in zip(signals, ends[:-1], ends[1:], strict=True)
+    ]
+
+
+def _version() -> str:
+    from importlib.metadata import version
+
+    return version("sightline")
