@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import sys
 import tempfile
 import threading
 import time
@@ -146,6 +147,7 @@ class _Recorder:
 def _slaves(graph: SystemGraph, log: RunLog, stack: ExitStack) -> list[Slave]:
     """All FMUs loaded, each archive unpacked once; the stack frees and removes them."""
     root = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="sightline-")))
+    stack.enter_context(_python_as_it_was(root))
     stack.callback(log.close)
     folders: dict[Path, Path] = {}
     slaves = []
@@ -157,6 +159,19 @@ def _slaves(graph: SystemGraph, log: RunLog, stack: ExitStack) -> list[Slave]:
         stack.callback(slave.free)
         slaves.append(slave)
     return slaves
+
+
+@contextmanager
+def _python_as_it_was(root: Path) -> Iterator[None]:
+    """Python FMUs run in this interpreter and import from where they were unpacked: undo that."""
+    path = list(sys.path)
+    try:
+        yield
+    finally:
+        sys.path[:] = path
+        for name, module in list(sys.modules.items()):
+            if str(getattr(module, "__file__", None) or "").startswith(str(root)):
+                del sys.modules[name]
 
 
 @contextmanager

@@ -40,13 +40,6 @@ class UserBlock(Component):
 
 
 @pytest.fixture(scope="session")
-def fmu_cache(tmp_path_factory: pytest.TempPathFactory):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("SIGHTLINE_CACHE", str(tmp_path_factory.mktemp("cache")))
-        yield
-
-
-@pytest.fixture(scope="session")
 def user_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A block in a file outside the project."""
     path = tmp_path_factory.mktemp("user") / "user_block.py"

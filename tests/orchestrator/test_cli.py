@@ -1,0 +1,166 @@
+"""The command line: exit codes, texts, files; never a traceback."""
+
+from __future__ import annotations
+
+import csv
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from .test_run import LOOP, block
+
+pytestmark = pytest.mark.usefixtures("fmu_cache")
+
+
+def sightline(*args: str | Path) -> subprocess.CompletedProcess[str]:
+    done = subprocess.run(
+        [sys.executable, "-m", "sightline.orchestrator.cli", *map(str, args)],
+        capture_output=True, text=True, check=False, env={**os.environ, "COLUMNS": "100"},
+    )  # fmt: skip
+    assert "Traceback" not in done.stdout + done.stderr
+    return done
+
+
+@pytest.fixture
+def system(write) -> Path:
+    plots = (
+        '[[plots]]\ntitle = "State & rate"\nsignals = ["*"]\n'
+        '[[plots]]\ntitle = "x"\nfile = "mine.png"\nsignals = ["plant.x"]\n'
+    )
+    tables = {
+        "control": block("Gain"), "plant": block("Integrator", "start = { x = 1.0 }"),
+    }  # fmt: skip
+    return write(LOOP, plots, **tables)
+
+
+def test_run_leaves_results_table_and_figures_and_says_so(system: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    done = sightline("run", system, "--out", out, "--csv")
+    assert done.returncode == 0
+    assert done.stdout == (
+        f"results in {out}: results.h5 (11 samples of 2 signals), results.csv, state-rate.png, "
+        "mine.png\n"
+    )
+    with (out / "results.csv").open(encoding="utf-8") as file:
+        rows = list(csv.reader(file))
+    assert rows[0] == ["time", "control.y", "plant.x"]
+    assert [float(v) for v in rows[1]] == [0.0, -1.0, 1.0]
+    assert len(rows) == 12
+    assert all((out / name).stat().st_size > 5000 for name in ("state-rate.png", "mine.png"))
+
+
+def test_set_changes_parameters_and_start_values(system: Path, tmp_path: Path) -> None:
+    done = sightline(
+        "run", system, "--out", tmp_path, "--csv", "--set", "plant.x=2", "--set", "control.k=-0.5"
+    )
+    assert done.returncode == 0
+    assert (tmp_path / "results.csv").read_text().splitlines()[1] == "0.0,-1.0,2.0"
+
+
+@pytest.mark.parametrize(
+    ("setting", "message"),
+    [
+        ("plant.x", "--set plant.x: is not of the form instance.name=value"),
+        ("plant.x=", "--set plant.x=: '' is not a value"),
+        ("plant.xx=1", "--set plant.xx: plant has no parameter or start value xx"),
+        ("plant.x=nan", "instances.plant.start.x: x is nan, not a finite number"),
+    ],
+)
+def test_wrong_setting_is_bad_usage(
+    system: Path, tmp_path: Path, setting: str, message: str
+) -> None:
+    done = sightline("run", system, "--out", tmp_path / "out", "--set", setting)
+    assert done.returncode == 2
+    assert message in done.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_wrong_config_is_bad_usage_with_all_problems(write, tmp_path: Path) -> None:
+    path = write(
+        ["plant.y -> control.x"], control=block("Gani"), plant=block("Integrator", "satrt = {}"),
+        gone='fmu = "gone.fmu"',
+    )  # fmt: skip
+    done = sightline("run", path, "--out", tmp_path / "out")
+    assert done.returncode == 2
+    assert "4 problems" in done.stderr
+    assert "plant (Integrator) has no port y; its outputs: x" in done.stderr
+    assert "defines no block Gani; did you mean Gain?" in done.stderr
+    assert "instances.plant.satrt: unknown key; did you mean start" in done.stderr
+    assert "gone.fmu does not exist" in done.stderr
+
+
+def test_failed_run_exits_with_one_and_names_what_there_is(write, tmp_path: Path) -> None:
+    path = write(
+        ["plant.x -> control.x"],
+        plant=block("Integrator", "start = { u = 1.0 }"),
+        control=block("Gain", "parameters = { limit = 0.45 }"),
+    )
+    done = sightline("run", path, "--out", tmp_path)
+    assert done.returncode == 1
+    assert "control at t = 0.4 s: the step of 0.1 s ended with discard" in done.stderr
+    assert done.stdout == (
+        f"results until then in {tmp_path}: results.h5 (5 samples of 2 signals), log.txt\n"
+    )
+
+
+def test_folder_that_cannot_be_written_is_said_to_be(system: Path, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    done = sightline("run", system, "--out", tmp_path / "file")
+    assert done.returncode == 1
+    assert "cannot write to" in done.stderr
+
+
+def test_list_shows_blocks_by_family() -> None:
+    done = sightline("list")
+    assert done.returncode == 0
+    assert "dynamics\n  FreeRigidBody" in done.stdout
+
+
+def test_info_shows_ports_units_and_frames() -> None:
+    done = sightline("info", "FreeRigidBody")
+    assert done.returncode == 0
+    for text in ("inertia", "kg.m2", "inertial", "angular_velocity", "source: "):
+        assert text in done.stdout
+
+
+def test_info_of_an_unknown_block_names_the_nearest() -> None:
+    done = sightline("info", "FreeRigidBdy")
+    assert done.returncode == 2
+    assert "did you mean 'FreeRigidBody'?" in done.stderr
+
+
+def test_build_writes_an_fmu(tmp_path: Path) -> None:
+    done = sightline("build", "RangeSensor", "--target", "python", "--out", tmp_path)
+    assert done.returncode == 0
+    assert (tmp_path / "RangeSensor.fmu").is_file()
+    assert done.stdout.startswith(f"{tmp_path / 'RangeSensor.fmu'} (")
+
+
+def test_build_of_an_unknown_block_fails(tmp_path: Path) -> None:
+    done = sightline("build", "RangeSensr", "--out", tmp_path)
+    assert done.returncode == 1
+    assert "did you mean 'RangeSensor'?" in done.stderr
+
+
+@pytest.mark.parametrize("command", ["list", "info", "build", "run", "demo"])
+def test_help_of_each_command_shows_an_example(command: str) -> None:
+    done = sightline(command, "--help")
+    assert done.returncode == 0
+    assert f"Example:  sightline {command}" in done.stdout
+
+
+def test_unknown_command_is_bad_usage() -> None:
+    assert sightline("fly").returncode == 2
+
+
+def test_help_is_quick() -> None:
+    def seconds() -> float:
+        began = time.perf_counter()
+        sightline("--help")
+        return time.perf_counter() - began
+
+    assert min(seconds() for _ in range(5)) < 0.3  # s; the best of five: the machine is shared
