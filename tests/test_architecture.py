@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -52,3 +53,14 @@ def test_top_level_holds_what_was_agreed_and_nothing_else() -> None:
     made = {"build", "dist", "results"}  # by tools, ignored by git
     found = {p.name for p in ROOT.iterdir() if not p.name.startswith(".")}
     assert {n for n in found - made if not n.endswith(".egg-info")} == agreed
+
+
+def test_every_subpackage_is_installed() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    listed = set(project["tool"]["setuptools"]["packages"])
+    folders = {
+        ".".join(["sightline", *init.parent.relative_to(ROOT).parts])
+        for package in ("components", "fmus", "orchestrator")
+        for init in (ROOT / package).rglob("__init__.py")
+    }
+    assert folders <= listed

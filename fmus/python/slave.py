@@ -7,7 +7,10 @@ answered with fmi2Discard and log messages.
 
 from __future__ import annotations
 
+import atexit
 import ctypes
+import sys
+from functools import cache
 from pathlib import Path
 from typing import Any, ClassVar, NoReturn
 
@@ -34,6 +37,7 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu is untyped
             self.block_class(**self.structure), layout, arguments["instance_name"]
         )
         self._start_time = 0.0
+        release_at_exit(self.modelName, Path(arguments["resources"]).parent)
 
     def setup_experiment(
         self, start_time: float, stop_time: float | None, tolerance: float | None
@@ -96,6 +100,18 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu is untyped
         for released_twice in (self, type(self), self.log_queue):
             keep(released_twice)
         raise error
+
+
+@cache
+def release_at_exit(name: str, folder: Path) -> None:
+    """Have pythonfmu's binary let go of its interpreter before the process ends.
+
+    Left to itself it does so twice, the second time on freed memory. Only where the host is a
+    Python process: elsewhere the binary owns the interpreter and ends it.
+    """
+    binary = folder / "binaries" / "linux64" / f"{name}.so"
+    if sys.orig_argv and binary.is_file():
+        atexit.register(ctypes.CDLL(str(binary)).finalizePythonInterpreter)
 
 
 def keep(thing: object) -> None:
