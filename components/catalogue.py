@@ -57,5 +57,6 @@ def _blocks(family: ModuleType) -> dict[str, type[Component]]:
         for name, value in vars(module).items()
         if inspect.isclass(value) and issubclass(value, Component)
         and value.__module__ == module.__name__ and not name.startswith("_")
+        and value().outputs_  # a class without is a base of blocks
     }
     return dict(sorted(found.items()))

@@ -73,8 +73,10 @@ class _ComponentType(type):
     def __prepare__(cls, name: str, bases: tuple[type, ...], /, **_: Any) -> _Body:
         return _Body(name)
 
-    def __new__(cls, name: str, bases: tuple[type, ...], body: dict[str, Any]) -> _ComponentType:
-        return super().__new__(cls, name, bases, dict(body))
+    def __new__(
+        cls, name: str, bases: tuple[type, ...], body: dict[str, Any], **options: Any
+    ) -> _ComponentType:
+        return super().__new__(cls, name, bases, dict(body), **options)
 
 
 class Component(metaclass=_ComponentType):

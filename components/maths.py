@@ -67,6 +67,21 @@ def small_rotation(angles: Array, v: Array) -> Array:
     return rotate(unit(scalar_last(0.5 * angles, np.ones(()))), v)
 
 
+def from_matrix(matrix: Array) -> Array:
+    """The quaternion of a rotation matrix; exact at any angle, of either sign."""
+    m, trace = matrix, np.trace(matrix)
+    diagonal = np.concatenate([np.diag(m), np.reshape(trace, (1,))])
+    square = 1.0 + 2.0 * diagonal - trace  # 4 x², 4 y², 4 z², 4 w²
+    xy, yz, zx = m[0, 1] + m[1, 0], m[1, 2] + m[2, 1], m[2, 0] + m[0, 2]
+    wx, wy, wz = m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]
+    rows = (np.stack([square[0], xy, zx, wx]), np.stack([xy, square[1], yz, wy]),
+            np.stack([zx, yz, square[2], wz]), np.stack([wx, wy, wz, square[3]]))  # 4 q_i q
+    best, largest = rows[0], square[0]
+    for row, size in zip(rows[1:], (square[1], square[2], square[3]), strict=True):
+        best, largest = np.where(size > largest, row, best), np.maximum(size, largest)
+    return unit(best)
+
+
 def is_unit(vector: Array) -> Condition:
     """Whether a vector or quaternion has norm 1 within UNIT_TOLERANCE."""
     return np.abs(np.linalg.norm(vector) - 1.0) <= UNIT_TOLERANCE

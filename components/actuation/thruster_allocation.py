@@ -1,47 +1,36 @@
-"""Thruster allocation: from a wanted wrench to thruster commands."""
+"""Thruster allocation by the pseudo-inverse: from a wanted wrench to bidirectional commands."""
 
 import numpy as np
 
-from ..component import Component
-from ..declarations import Input, Output, Parameter, Structure
-from .thruster_geometry import (
-    control_sensitivity,
-    default_directions,
-    default_positions,
-    directions_requirement,
-    has_full_rank,
-)
+from ..declarations import Output
+from .allocator import Allocator, report
+from .thruster_geometry import control_sensitivity, layout_requirement, least_squares
 
 
-class ThrusterAllocation(Component):
+class ThrusterAllocation(Allocator):
     """Shares a wanted force and torque among thrusters with the least sum of squares.
 
     U = [force; torque] = B F                                                           (19)
     F = B^T (B B^T)^-1 U                                                                (20)
 
-    Commands have either sign: the thrusters are taken as bidirectional.
+    Commands have either sign: the thrusters are taken as bidirectional. Columns of B that belong
+    to unhealthy thrusters count as zero; commands beyond the limit are cut to it.
 
     Source: 6-DOF precision formation flying at L2 paper, eqs. (19), (20).
     """
 
-    thrusters = Structure(12, min=6, doc="number of thrusters")
-    force = Input(3, "N", frame="body", doc="wanted force")
-    torque = Input(3, "N.m", frame="body", doc="wanted torque about the centre of mass")
     command = Output("thrusters", "N", doc="thrust of each thruster")
-    positions = Parameter(("thrusters", 3), "m", default_positions, frame="body",
-                          doc="where each thruster pushes")
-    directions = Parameter(("thrusters", 3), "1", default_directions, frame="body",
-                           doc="direction of the force on the spacecraft, unit vectors")
-    center_of_mass = Parameter(3, "m", frame="body", doc="centre of mass")
+    residual_force = Output(3, "N", frame="body", doc="wanted minus given force")
+    residual_torque = Output(3, "N.m", frame="body", doc="wanted minus given torque")
+    saturated = Output("thrusters", "1", type="boolean", doc="thrusters at their limit")
+    lost_authority = Output((), "1", doc="part of the wanted wrench that is not given, 0 to 1")
 
-    def outputs(self, force, torque, positions, directions, center_of_mass):
+    def outputs(self, force, torque, healthy, positions, directions, center_of_mass, max_thrust):
         B = control_sensitivity(positions, directions, center_of_mass)
         U = np.concatenate([force, torque])                                            # (19)
-        return {"command": np.linalg.pinv(B) @ U}                                      # (20)
+        limits = max_thrust * healthy
+        F = np.clip(least_squares(B * healthy, U), -limits, limits)                    # (20)
+        return report(B, U, F, max_thrust)
 
     def requirements(self, positions, directions, center_of_mass):
-        B = control_sensitivity(positions, directions, center_of_mass)
-        return {
-            **directions_requirement(directions),
-            "positions and directions must give force and torque about all axes": has_full_rank(B),
-        }
+        return layout_requirement(positions, directions, center_of_mass)

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..declarations import Array, Condition
 from ..maths import UNIT_TOLERANCE, cross
+from .factorisation import factorise, solve
 
 TWELVE_POSITIONS = (
     (-1.0, 0.8, 0.0), (-1.0, -0.8, 0.0), (1.0, 0.8, 0.0), (1.0, -0.8, 0.0),  # +x +x -x -x
@@ -23,6 +24,8 @@ TWELVE_POSITIONS = (
 )  # m
 PAIR_DIRECTIONS = ((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0),
                    (0.0, 0.0, 1.0), (0.0, 0.0, -1.0))
+DAMPING = 1e-8  # of rows of length 1
+REFINEMENTS = 4
 INDEPENDENT = 1e-12  # least determinant of the rows of B, each scaled to length 1
 
 
@@ -36,17 +39,47 @@ def default_directions(thrusters: int) -> Array:
     return np.repeat(PAIR_DIRECTIONS, 2, axis=0) if thrusters == 12 else np.zeros((thrusters, 3))
 
 
+def default_groups(groups: int, thrusters: int) -> Array:
+    """One row per axis of the twelve-thruster layout: its four thrusters together give no wrench.
+
+    Zeros for another layout: no shifts.
+    """
+    if (groups, thrusters) != (3, 12):
+        return np.zeros((groups, thrusters))
+    return np.repeat(np.eye(3), 4, axis=1)
+
+
 def control_sensitivity(positions: Array, directions: Array, center_of_mass: Array) -> Array:
     """B, shape (6, thrusters): the wrench about the centre of mass of each unit thrust."""
     arms = positions - center_of_mass
     return np.concatenate([directions.T, cross(arms.T, directions.T)])
 
 
+def row_lengths(sensitivity: Array) -> Array:
+    """Length of each row of B, to make forces and torques comparable; 1 for a row of zeros."""
+    length = np.sqrt(np.sum(sensitivity * sensitivity, axis=1))
+    return np.where(length > 0.0, length, 1.0)
+
+
 def has_full_rank(sensitivity: Array) -> Condition:
     """Whether forces and torques about all axes are independent, whatever the units of length."""
-    length = np.sqrt(np.sum(sensitivity * sensitivity, axis=1))
-    rows = sensitivity.T / np.where(length > 0.0, length, 1.0)
+    rows = sensitivity.T / row_lengths(sensitivity)
     return np.linalg.det(rows.T @ rows) > INDEPENDENT
+
+
+def least_squares(sensitivity: Array, wrench: Array) -> Array:
+    """B^T (B B^T)^-1 U by refined solutions of a damped system (20).
+
+    Where B B^T is regular this is the pseudo-inverse to rounding. Where an axis is lost it gives
+    the rest of the wrench, and next to nothing on the lost axis.
+    """
+    lengths = row_lengths(sensitivity)
+    B, U = sensitivity / np.reshape(lengths, (6, 1)), wrench / lengths
+    factors = factorise(B @ B.T + DAMPING * np.eye(6))
+    multiplier = solve(factors, U)
+    for _ in range(REFINEMENTS):
+        multiplier = multiplier + solve(factors, U - B @ (B.T @ multiplier))
+    return B.T @ multiplier
 
 
 def directions_requirement(directions: Array) -> dict[str, Condition]:
@@ -55,4 +88,14 @@ def directions_requirement(directions: Array) -> dict[str, Condition]:
     return {
         "directions must be unit vectors (for other than 12 thrusters, give positions and "
         "directions)": np.max(np.abs(length - 1.0)) <= UNIT_TOLERANCE,
+    }
+
+
+def layout_requirement(positions: Array, directions: Array,
+                       center_of_mass: Array) -> dict[str, Condition]:
+    """The requirement that a layout can be allocated to."""
+    B = control_sensitivity(positions, directions, center_of_mass)
+    return {
+        **directions_requirement(directions),
+        "positions and directions must give force and torque about all axes": has_full_rank(B),
     }

@@ -1,12 +1,9 @@
 """Relative attitude control from lines of sight to the other craft and to a common object."""
 
-import numpy as np
-
 from ..component import Component
 from ..declarations import Input, Output, Parameter, SamplePeriod
-from ..maths import cross, is_unit, unit
-
-PARALLEL = 1e-9  # sine of the angle between lines of sight below which they span no plane
+from ..maths import cross
+from .lines_of_sight import lines_of_sight_requirement, plane_normal
 
 
 class LineOfSightAttitudeController(Component):
@@ -39,8 +36,8 @@ class LineOfSightAttitudeController(Component):
                 target_object_line_of_sight, angular_velocity, rate_gain, alignment_gain,
                 normal_gain):
         b12, b21 = line_of_sight, target_line_of_sight
-        b123 = unit(cross(b12, object_line_of_sight))                                  # (55)
-        b213 = unit(cross(b21, target_object_line_of_sight))                           # (55)
+        b123 = plane_normal(b12, object_line_of_sight)                                 # (55)
+        b213 = plane_normal(b21, target_object_line_of_sight)                          # (55)
         alignment = alignment_gain * cross(b21, b12)
         return {
             "torque": -rate_gain * angular_velocity - alignment
@@ -49,16 +46,8 @@ class LineOfSightAttitudeController(Component):
 
     def requirements(self, line_of_sight, target_line_of_sight, object_line_of_sight,
                      target_object_line_of_sight):
-        own = cross(line_of_sight, object_line_of_sight)
-        target = cross(target_line_of_sight, target_object_line_of_sight)
-        return {
-            "line_of_sight must be a unit vector": is_unit(line_of_sight),
-            "target_line_of_sight must be a unit vector": is_unit(target_line_of_sight),
-            "object_line_of_sight must be a unit vector": is_unit(object_line_of_sight),
-            "target_object_line_of_sight must be a unit vector":
-                is_unit(target_object_line_of_sight),
-            "object_line_of_sight must not be parallel to line_of_sight":
-                np.linalg.norm(own) > PARALLEL,
-            "target_object_line_of_sight must not be parallel to target_line_of_sight":
-                np.linalg.norm(target) > PARALLEL,
-        }
+        return lines_of_sight_requirement(
+            line_of_sight=line_of_sight, object_line_of_sight=object_line_of_sight,
+            target_line_of_sight=target_line_of_sight,
+            target_object_line_of_sight=target_object_line_of_sight,
+        )

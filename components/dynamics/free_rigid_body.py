@@ -4,7 +4,8 @@ import numpy as np
 
 from ..component import Component
 from ..declarations import Input, Parameter, State
-from ..maths import IDENTITY, cross, is_unit, leading_minors, quaternion_rate, rotate, unit
+from ..maths import IDENTITY, is_unit, quaternion_rate, rotate, unit
+from .rigid_rotation import angular_acceleration, inertia_requirements
 
 
 class FreeRigidBody(Component):
@@ -34,26 +35,19 @@ class FreeRigidBody(Component):
 
     def derivatives(self, velocity, attitude, angular_velocity, force, torque,
                     disturbance_force, disturbance_torque, mass, inertia):
-        J, Ω = inertia, angular_velocity
-        moment = cross(J @ Ω, Ω) + torque + disturbance_torque
+        moment = torque + disturbance_torque
         return {
             "position": velocity,                                                      # (5)
             "velocity": (rotate(attitude, force) + disturbance_force) / mass,          # (6)
-            "attitude": quaternion_rate(attitude, Ω),                                  # (3)
-            "angular_velocity": np.linalg.solve(J, moment),                            # (4)
+            "attitude": quaternion_rate(attitude, angular_velocity),                   # (3)
+            "angular_velocity": angular_acceleration(inertia, angular_velocity, moment),  # (4)
         }
 
     def project(self, attitude):
         return {"attitude": unit(attitude)}
 
     def requirements(self, attitude, inertia):
-        J = inertia
-        # J_j + J_k >= J_i for the principal moments is: ½ tr(J) I - J positive semidefinite
-        margin = (0.5 + 1e-9) * np.trace(J) * np.eye(3) - J
         return {
-            "inertia must be symmetric": np.max(np.abs(J - J.T)) <= 1e-9 * np.trace(J),
-            "inertia must be positive definite": np.min(np.stack(leading_minors(J))) > 0.0,
-            "inertia must satisfy the triangle inequality of its principal moments":
-                np.min(np.stack(leading_minors(margin))) > 0.0,
+            **inertia_requirements(inertia),
             "attitude must be a unit quaternion": is_unit(attitude),
         }

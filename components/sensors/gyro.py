@@ -1,30 +1,22 @@
 """Gyro: the angular velocity of the spacecraft that carries it."""
 
-from ..component import Component
-from ..declarations import Input, Noise, Output, Parameter, SamplePeriod
-from .measurement import measurement_error, noise_requirement
+from ..declarations import Input, Output
+from .sensor import Channel, Sensor
 
 
-class Gyro(Component):
+class Gyro(Sensor, channels=[Channel("measured_angular_velocity", frame="body")]):
     """Angular velocity of the spacecraft against inertial space, in its body frame.
 
-    measured = Ω + bias + noise
+    measured = R(misalignment) (1 + scale_factor) Ω + bias + drift + noise
 
-    Source: coupled LOS attitude and position control paper, table 1.
+    ``noise_density`` is the angle random walk, ``walk_density`` the rate random walk,
+    ``drift_deviation`` the bias instability.
+
+    Source: coupled LOS attitude and position control paper, table 1; IEEE Std 952.
     """
 
     angular_velocity = Input(3, "rad/s", frame="body", doc="true angular velocity")
     measured_angular_velocity = Output(3, "rad/s", frame="body", doc="measured angular velocity")
-    bias = Parameter(3, "rad/s", frame="body", doc="constant error")
-    noise_density = Parameter((), "rad/s/sqrt(Hz)", min=0.0,
-                              doc="amplitude spectral density of the white noise on each axis "
-                                  "(angle random walk)")
-    noise = Noise(3, doc="white noise of the three axes")
-    sample_period = SamplePeriod()
 
-    def outputs(self, angular_velocity, bias, noise_density, noise, sample_period):
-        error = measurement_error(bias, noise_density, noise, sample_period)
-        return {"measured_angular_velocity": angular_velocity + error}
-
-    def requirements(self, noise_density, sample_period):
-        return noise_requirement(noise_density, sample_period)
+    def truth(self, angular_velocity):
+        return {"measured_angular_velocity": angular_velocity}

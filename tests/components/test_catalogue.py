@@ -16,14 +16,17 @@ PORTS = [
 ]
 
 
-def test_blocks_are_found_by_family():
-    assert {name: list(blocks) for name, blocks in catalogue.families().items()} == {
-        "actuation": ["ThrusterAllocation", "ThrusterCluster"],
-        "controllers": ["LineOfSightAttitudeController", "LineOfSightFormationController"],
-        "dynamics": ["FreeRigidBody"],
-        "monitors": ["LineOfSightFormationMonitor"],
-        "sensors": ["Gyro", "LineOfSightSensor", "RangeSensor", "RelativeVelocitySensor"],
-    }
+@pytest.mark.parametrize(("family", "block"), [
+    ("actuation", "ThrusterCluster"), ("controllers", "LineOfSightFormationController"),
+    ("dynamics", "FreeRigidBody"), ("estimators", "RelativeAttitudeDetermination"),
+    ("monitors", "LineOfSightFormationMonitor"), ("sensors", "Gyro"),
+])
+def test_a_block_is_found_in_its_family(family, block):
+    assert block in catalogue.families()[family]
+
+
+def test_a_base_of_blocks_is_not_a_block():
+    assert "Allocator" not in catalogue.blocks()
 
 
 def test_a_block_is_found_by_name():
@@ -37,7 +40,7 @@ def test_an_unknown_block_is_an_error_with_the_nearest_names():
 
 
 def test_a_name_near_to_none_is_an_error_with_all_names():
-    with pytest.raises(UnknownBlockError, match="valid are FreeRigidBody, Gyro, LineOfSight"):
+    with pytest.raises(UnknownBlockError, match=r"valid are .*FreeRigidBody, .*Gyro, "):
         catalogue.find("zzz")
 
 
@@ -74,8 +77,8 @@ def test_every_quantity_has_documentation(quantity):
 
 @pytest.mark.parametrize("block", BLOCKS)
 def test_every_vector_port_has_a_frame(block: type[Component]):
-    vectors = {n: q for n, q in block().quantities.items()
-               if q.dimensions == (3,) and not isinstance(q, Noise)}
+    vectors = {n: q for n, q in block.declarations.items()
+               if q.shape == (3,) and not isinstance(q, Noise)}
     assert [name for name, quantity in vectors.items() if quantity.frame is None] == []
 
 

@@ -81,3 +81,13 @@ def test_leading_minors_are_the_determinants_of_the_leading_blocks():
 @pytest.mark.parametrize(("norm", "accepted"), [(1.0, True), (1.0 + 1e-7, True), (1.001, False)])
 def test_a_unit_vector_has_norm_one_within_tolerance(norm, accepted):
     assert maths.is_unit(norm * QUATERNIONS[0]) == accepted
+
+
+@pytest.mark.parametrize("rotation", [
+    *(Rotation.from_quat(q) for q in QUATERNIONS),
+    *(Rotation.from_rotvec(angle * np.eye(3)[axis]) for axis in range(3)
+      for angle in (1e-9, np.pi, np.pi - 1e-9)),
+], ids=str)
+def test_a_quaternion_is_that_of_its_matrix_at_any_angle(rotation):
+    q = Rotation.from_quat(maths.from_matrix(rotation.as_matrix()))
+    np.testing.assert_allclose(q.as_matrix(), rotation.as_matrix(), **EXACT)

@@ -12,10 +12,16 @@ HERE, THERE = np.array([1.0, -2.0, 0.5]), np.array([20.0, 3.0, -7.0])
 
 
 def measure(block, **values):
-    """The only output of a sensor."""
+    """The first output of a sensor."""
     sensor = catalogue.find(block)()
-    (measured,) = sensor.evaluate("outputs", sensor.start_values() | values).values()
-    return measured
+    outputs = sensor.evaluate("outputs", sensor.start_values() | values)
+    return outputs[sensor.channels[0].output]
+
+
+def sees(block, **values):
+    """Whether a sensor says that its outputs are a measurement."""
+    sensor = catalogue.find(block)()
+    return sensor.evaluate("outputs", sensor.start_values() | values)["valid"] > 0.5
 
 
 def refused(block, **values):
@@ -88,3 +94,53 @@ def test_the_bias_of_the_relative_velocity_adds_in_the_body_frame():
     difference = (measure("RelativeVelocitySensor", bias=bias, **values)
                   - measure("RelativeVelocitySensor", **values))
     np.testing.assert_allclose(difference, bias, atol=1e-14)
+
+
+@pytest.mark.parametrize("attitude", ATTITUDES)
+def test_the_star_tracker_measures_the_attitude(attitude):
+    np.testing.assert_allclose(measure("StarTracker", attitude=attitude), attitude, atol=1e-15)
+
+
+def test_the_bias_of_the_star_tracker_is_a_small_rotation_in_the_body_frame():
+    bias = np.array([1e-4, -2e-4, 3e-4])  # rad
+    biased = Rotation.from_quat(measure("StarTracker", attitude=ATTITUDES[0], bias=bias))
+    error = Rotation.from_quat(ATTITUDES[0]).inv() * biased
+    np.testing.assert_allclose(error.as_rotvec(), bias, atol=1e-11)  # |bias|³/12
+
+
+def test_the_radar_measures_range_and_angles():
+    radar = catalogue.find("SphericalRadar")()
+    r, ψ, θ = 30.0, 0.4, -0.7
+    position = np.array([r * np.cos(ψ) * np.cos(θ), r * np.sin(ψ), -r * np.cos(ψ) * np.sin(θ)])
+    said = radar.evaluate("outputs", radar.start_values() | {"position": position})
+    np.testing.assert_allclose([said["range"], said["elevation"], said["azimuth"]], [r, ψ, θ])
+
+
+def test_relative_navigation_measures_position_and_velocity():
+    sensor = catalogue.find("LvlhNavigationSensor")()
+    said = sensor.evaluate("outputs", sensor.start_values() | {"position": HERE, "velocity": THERE})
+    np.testing.assert_array_equal([said["measured_position"], said["measured_velocity"]],
+                                  [HERE, THERE])
+
+
+@pytest.mark.parametrize(("angle", "seen"), [(0.0, True), (0.29, True), (0.31, False),
+                                             (3.0, False)])
+@pytest.mark.parametrize(("block", "port"), [("LineOfSightSensor", "target_position"),
+                                             ("SphericalRadar", "position")])
+def test_a_target_beyond_the_field_of_view_is_not_seen(block, port, angle, seen):
+    target = 10.0 * np.array([np.cos(angle), 0.0, np.sin(angle)])
+    assert sees(block, field_of_view=np.array(0.3), **{port: target}) == seen
+
+
+@pytest.mark.parametrize(("distance", "seen"), [(1.9, False), (2.1, True), (49.0, True),
+                                                (51.0, False)])
+@pytest.mark.parametrize("block", ["LineOfSightSensor", "RangeSensor"])
+def test_a_target_out_of_range_is_not_seen(block, distance, seen):
+    limits = {"minimum_range": np.array(2.0), "maximum_range": np.array(50.0)}
+    assert sees(block, target_position=np.array([0.0, distance, 0.0]), **limits) == seen
+
+
+def test_a_star_tracker_loses_its_stars_in_a_fast_turn():
+    limit = {"maximum_rate": np.array(0.05)}
+    assert sees("StarTracker", angular_velocity=np.array([0.04, 0.0, 0.0]), **limit)
+    assert not sees("StarTracker", angular_velocity=np.array([0.06, 0.0, 0.0]), **limit)

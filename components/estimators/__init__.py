@@ -1,0 +1,1 @@
+"""Estimators: what measurements say about what is not measured."""

@@ -1,0 +1,1 @@
+"""Guidance: desired trajectories with their rates."""

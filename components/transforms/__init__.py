@@ -1,0 +1,1 @@
+"""Transforms: the same quantities in other frames and coordinates."""
