@@ -9,7 +9,8 @@ from __future__ import annotations
 import hashlib
 import os
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from importlib.metadata import version
 from pathlib import Path
 from typing import Literal, TypeAlias
 
@@ -24,6 +25,7 @@ from .tracing import Trace, TracingError, trace
 from .units import UnitError, unit
 
 Target: TypeAlias = Literal["python", "native"]
+TOOLS = ("sightline", "casadi", "pythonfmu", "fmpy")  # whose versions show in an FMU
 
 
 def cache_folder() -> Path:
@@ -39,13 +41,15 @@ def build(
     fmi: Literal[2, 3] = 2,
     platforms: Sequence[str] | None = None,
     out: Path | None = None,
+    begun: Callable[[], None] = lambda: None,
 ) -> Path:
     """The path of the block's FMU, built if the cache does not hold it.
 
     ``component``: a block's name or ``file.py:Class``. ``target``: None takes native where a C
     compiler is found and the block can be traced, else python. ``platforms``: of a native FMU,
     None for this machine's. ``out``: a folder that gets a copy named after the block; None leaves
-    the FMU in the cache. Raises BuildError with every reason.
+    the FMU in the cache. ``begun`` is called if it is really built. Raises BuildError with every
+    reason.
     """
     block = load_block(component, structure)
     chosen = target or _default_target(block)
@@ -56,6 +60,7 @@ def build(
     key = _key(block, chosen, fmi, platforms)
     cached = cache_folder() / f"{block.name}-{key}.fmu"
     if not cached.is_file():
+        begun()
         _build(component, block, chosen, fmi, platforms, cached)
     if out is None:
         return cached
@@ -113,10 +118,11 @@ def _key(
     block: Component, target: Target, fmi: int, platforms: Sequence[str] | None
 ) -> str:
     sha = hashlib.sha256(repr((sorted(block.structure.items()), target, fmi,
-                               sorted(platforms or ()))).encode())
+                               sorted(platforms or ()), *map(version, TOOLS))).encode())
     for name, content in sorted(block_sources(type(block)).items()):
         sha.update(name.encode() + content)
-    for path in sorted(Path(__file__).parent.rglob("*")):
-        if path.suffix in (".py", ".c", ".h"):
+    here = Path(__file__).parent
+    for path in sorted([*here.glob("*.py"), *(here / target).glob("*")]):
+        if path.is_file() and path.suffix in (".py", ".c", ".h"):
             sha.update(path.read_bytes())
     return sha.hexdigest()[:16]

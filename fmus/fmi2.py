@@ -59,8 +59,7 @@ def render(
     if block.structure:
         annotations = ET.SubElement(root, "VendorAnnotations")
         tool = ET.SubElement(annotations, "Tool", name=VENDOR)
-        for name, size in block.structure.items():
-            ET.SubElement(tool, "Structure", name=name, value=str(size))
+        ET.SubElement(tool, "Structure", {n: str(size) for n, size in block.structure.items()})
     variables = ET.SubElement(root, "ModelVariables")
     for variable in model.variables:
         for element in range(variable.size):

@@ -190,9 +190,14 @@ def model_of(block: Component, trace: Trace | None, *, derivatives: bool) -> Mod
             rate = Quantity(state.shape, rate_unit(state.unit), frame=state.frame,
                             doc=f"rate of change of {name}", name=f"der({name})")
             add(rate.resolve({}), "derivative", start=None, of=name)
-    for setting, type_ in _settings(block):
+    for setting, type_ in _typed_settings(block):
         add(setting.resolve({}), "setting", type=type_)
     return Model(block, trace, tuple(variables))
+
+
+def settings_of(block: Component) -> list[Quantity]:
+    """What the FMU adds to the block's own parameters: solver, tolerances, seed."""
+    return [setting.resolve({}) for setting, _ in _typed_settings(block)]
 
 
 def rate_unit(unit: str | None) -> str:
@@ -205,14 +210,14 @@ def rate_unit(unit: str | None) -> str:
     return unit + "/s"
 
 
-def _settings(block: Component) -> list[tuple[Quantity, str]]:
+def _typed_settings(block: Component) -> list[tuple[Quantity, str]]:
     settings: list[tuple[Quantity, str]] = []
     if block.of_type(State):
         settings += [
             (Parameter((), "1", 1.0, name="solver", min=1, max=len(SOLVERS),
                        doc="integration: 1 fixed-step RK4, 2 adaptive Dormand-Prince 5(4)"),
              "enumeration"),
-            (Parameter((), "s", block.default_solver_step, name="solver_step", min=1e-12,
+            (Parameter((), "s", block.default_solver_step, name="solver_step", min=1e-6,
                        doc="largest step of RK4, first step of Dormand-Prince"), "real"),
             (Parameter((), "1", 1e-10, name="relative_tolerance", min=1e-15, max=1.0,
                        doc="relative tolerance of Dormand-Prince"), "real"),

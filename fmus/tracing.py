@@ -25,6 +25,8 @@ from ..components.declarations import (
     Parameter,
     State,
 )
+from ..components.loops import LOOP
+from .loops import traced_loop
 
 GROUPS: dict[str, type] = {
     "u": Input, "p": Parameter, "x": State, "d": DiscreteState, "w": Noise,
@@ -99,9 +101,11 @@ def numpy_mode() -> Iterator[None]:
     with _mode_lock:
         before = ca.GlobalOptions.getNumpyMode()
         ca.GlobalOptions.setNumpyMode(1)
+        loop = LOOP.set(traced_loop)
         try:
             yield
         finally:
+            LOOP.reset(loop)
             ca.GlobalOptions.setNumpyMode(before)
 
 

@@ -1,6 +1,8 @@
 /* Messages about values that cannot be read or written. */
 #include "access.h"
 
+#include <math.h>
+
 static const char *const TYPE_NAMES[] = {"real", "integer", "boolean", "enumeration"};
 
 static bool known(Instance *self, uint32_t reference, int type)

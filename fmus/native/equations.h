@@ -23,10 +23,11 @@ typedef struct {
     uint8_t is_output; /* a port, whether computed or a state */
     uint8_t unused;
     uint32_t extent;   /* scalars behind this value reference; 0: not a value reference */
+    uint32_t run;      /* scalars from here on that are references of their own and of one kind */
 } Access;
 
 typedef struct {
-    double min, max;
+    double min, max; /* finite, so that they exclude infinity */
 } Limits;
 
 extern const Access model_access[N_VALUES];

@@ -33,15 +33,6 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t count,
     return status(choose_categories(self, on, count, categories));
 }
 
-static const char *why_not(fmi2String name, fmi2String token)
-{
-    if (!name || !*name)
-        return "an instance needs a name";
-    if (!token || strcmp(token, MODEL_TOKEN) != 0)
-        return "the GUID is not that of this FMU";
-    return "no memory for an instance";
-}
-
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String token,
                               fmi2String resources, const fmi2CallbackFunctions *functions,
                               fmi2Boolean visible, fmi2Boolean logging)
@@ -54,7 +45,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String token,
     if (!self) {
         if (functions->logger)
             functions->logger(functions->componentEnvironment, name ? name : "", fmi2Error,
-                              "logStatusError", why_not(name, token));
+                              "logStatusError", why_not_created(name, token));
         return NULL;
     }
     self->emit = emit;

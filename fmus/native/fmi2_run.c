@@ -2,6 +2,8 @@
 #include "access.h"
 #include "fmi2.h"
 
+#include <math.h>
+
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real h, fmi2Boolean no_rollback)
 {
     (void)no_rollback;
@@ -138,65 +140,41 @@ fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean no_rollback,
     return status(good);
 }
 
-static bool count_fits(Instance *self, size_t n)
-{
-    return n == N_STATES || refuse_count(self, n, N_STATES);
-}
-
 fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time)
 {
     ALLOW(EVENT | CONTINUOUS);
-    if (!isfinite(time)) {
-        report(self, STATUS_ERROR, "time %g: must be finite", time);
-        return fmi2Error;
-    }
-    self->s.v[0] = time;
-    self->s.stale = ALL_STALE;
-    return fmi2OK;
+    return status(set_time(self, time));
 }
+
+enum { EXCHANGE = INITIALIZATION | EVENT | CONTINUOUS | TERMINATED };
 
 fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t n)
 {
     ALLOW(CONTINUOUS);
-    if (!count_fits(self, n))
-        return fmi2Error;
-    if (name_not_finite(self, x, (int)n, STATES))
-        return fmi2Error;
-    memcpy(self->s.v + STATES, x, n * sizeof(double));
-    self->s.stale = ALL_STALE;
-    return fmi2OK;
+    return status(set_states(self, x, n));
 }
 
-fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real derivatives[], size_t n)
+fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real rates[], size_t n)
 {
-    ALLOW(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
-    if (!count_fits(self, n) || ((self->s.stale & RATES_STALE) && !refresh_rates(self)))
-        return fmi2Error;
-    memcpy(derivatives, self->s.v + DERIVATIVES, n * sizeof(double));
-    return fmi2OK;
+    ALLOW(EXCHANGE);
+    return status(get_rates(self, rates, n));
 }
 
 fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real indicators[], size_t n)
 {
     (void)indicators;
-    ALLOW(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
+    ALLOW(EXCHANGE);
     return status(n == 0 || refuse_count(self, n, 0));
 }
 
 fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t n)
 {
-    ALLOW(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
-    if (!count_fits(self, n))
-        return fmi2Error;
-    memcpy(x, self->s.v + STATES, n * sizeof(double));
-    return fmi2OK;
+    ALLOW(EXCHANGE);
+    return status(get_states(self, x, n));
 }
 
 fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real nominals[], size_t n)
 {
-    ALLOW(INSTANTIATED | EVENT | CONTINUOUS | INITIALIZATION | TERMINATED);
-    if (!count_fits(self, n))
-        return fmi2Error;
-    memcpy(nominals, model_nominal, n * sizeof(double));
-    return fmi2OK;
+    ALLOW(INSTANTIATED | EXCHANGE);
+    return status(get_nominals(self, nominals, n));
 }

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+static const double SHORTEST_PERIOD = 1e-6; /* s */
 static const char *const CATEGORIES[] = {
     "logAll", "logStatusWarning", "logStatusDiscard", "logStatusError", "logStatusFatal"};
 
@@ -26,6 +27,15 @@ Instance *create(const char *name, const char *token, Interface interface,
     self->s.interface = interface;
     to_start(self);
     return self;
+}
+
+const char *why_not_created(const char *name, const char *token)
+{
+    if (!name || !*name)
+        return "an instance needs a name";
+    if (!token || strcmp(token, MODEL_TOKEN) != 0)
+        return "the GUID or token is not that of this FMU";
+    return "no memory for an instance";
 }
 
 void to_start(Instance *self)
@@ -54,9 +64,20 @@ bool enter_initialization(Instance *self, double start_time)
     return true;
 }
 
+/* Shorter periods would tick for ever. */
+static bool period_is_sound(Instance *self)
+{
+    if (period(self) == 0.0 || period(self) >= SHORTEST_PERIOD)
+        return true;
+    report(self, STATUS_ERROR, "sample_period = %g: must be 0 or at least %g", period(self),
+           SHORTEST_PERIOD);
+    return false;
+}
+
 bool exit_initialization(Instance *self, Mode next)
 {
-    if (!requirements_hold(self))
+    const bool sound = period_is_sound(self); /* report all that is wrong */
+    if (!requirements_hold(self) || !sound)
         return false;
     self->s.pending = period(self) > 0.0;
     self->s.evaluated = false;

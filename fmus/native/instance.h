@@ -86,6 +86,7 @@ typedef struct {
 /* instance.c */
 Instance *create(const char *name, const char *token, Interface interface,
                  void *(*allocate)(size_t, size_t), void (*release)(void *));
+const char *why_not_created(const char *name, const char *token);
 void to_start(Instance *self);
 bool allowed(Instance *self, const char *function, int modes);
 void report(Instance *self, Severity severity, const char *format, ...);
@@ -114,6 +115,13 @@ typedef struct {
     double next_time;
 } EventUpdate;
 bool update_discrete_states(Instance *self, EventUpdate *update);
+
+/* exchange.c */
+bool set_time(Instance *self, double time);
+bool set_states(Instance *self, const double *x, size_t n);
+bool get_states(Instance *self, double *x, size_t n);
+bool get_rates(Instance *self, double *rates, size_t n);
+bool get_nominals(Instance *self, double *nominals, size_t n);
 
 /* integrate.c, step.c */
 void extrapolate_inputs(Instance *self, double time);

@@ -6,6 +6,7 @@ import importlib.util
 import os
 import platform
 import shutil
+import struct
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -16,40 +17,45 @@ from ..errors import BuildError
 
 # rounding must not depend on the platform: no fused multiply-add unless the source says so
 FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-ffunction-sections",
-         "-fno-math-errno", "-shared")  # fmt: skip
+         "-fno-math-errno", "-fomit-frame-pointer")  # fmt: skip
+SMALL = ("-g0", "-fno-unroll-loops", "-fno-unwind-tables", "-fno-asynchronous-unwind-tables")
 
 
 @dataclass(frozen=True)
 class Platform:
-    """A platform that FMUs can be built for, and its names in both standards."""
+    """A platform that FMUs can be built for, and its names in both standards.
+
+    FMI 2.0 names folders for x86 only; for other machines it refers to the names of FMI 3.0.
+    """
 
     name: str
     fmi2: str
     fmi3: str
     extension: str
     zig_target: str
-    flags: tuple[str, ...] = ()
+    link: tuple[str, ...] = ()
+    link_by_system: tuple[str, ...] = ()  # what only the system's linker takes
 
     def binary(self, fmi: int, identifier: str) -> str:
         """Path of the binary in the archive."""
         return f"binaries/{self.fmi2 if fmi == 2 else self.fmi3}/{identifier}{self.extension}"
 
 
-LINUX_FLAGS = ("-fPIC", "-Wl,--gc-sections", "-Wl,--build-id=none",
-               "-Wl,-z,noseparate-code", "-s", "-lm")
+LINUX = ("-Wl,--gc-sections", "-Wl,--build-id=none", "-lm")
+DENSE = ("-Wl,-z,noseparate-code",)  # no padding to pages between segments
+MACOS = ("-Wl,-dead_strip",)
 PLATFORMS = {
     p.name: p
     for p in (
         Platform("linux-x86_64", "linux64", "x86_64-linux", ".so",
-                 "x86_64-linux-gnu.2.17", LINUX_FLAGS),
+                 "x86_64-linux-gnu.2.17", LINUX, DENSE),
         Platform("linux-aarch64", "aarch64-linux", "aarch64-linux", ".so",
-                 "aarch64-linux-gnu.2.17", LINUX_FLAGS),
-        Platform("windows-x86_64", "win64", "x86_64-windows", ".dll", "x86_64-windows-gnu",
-                 ("-s", "-Wl,--gc-sections")),
-        Platform("macos-x86_64", "darwin64", "x86_64-darwin", ".dylib", "x86_64-macos",
-                 ("-fPIC", "-Wl,-dead_strip")),
-        Platform("macos-arm64", "aarch64-darwin", "aarch64-darwin", ".dylib", "aarch64-macos",
-                 ("-fPIC", "-Wl,-dead_strip")),
+                 "aarch64-linux-gnu.2.17", LINUX, DENSE),
+        Platform("windows-x86_64", "win64", "x86_64-windows", ".dll",
+                 "x86_64-windows-gnu", ("-Wl,--gc-sections",)),
+        Platform("macos-x86_64", "darwin64", "x86_64-darwin", ".dylib", "x86_64-macos", MACOS),
+        Platform("macos-arm64", "aarch64-darwin", "aarch64-darwin", ".dylib",
+                 "aarch64-macos", MACOS),
     )
 }  # fmt: skip
 
@@ -94,14 +100,43 @@ def choose(component: str, names: Sequence[str] | None) -> list[Platform]:
     return [PLATFORMS[n] for n in dict.fromkeys(names)]
 
 
-def compile_library(component: str, target: Platform, source: Path, out: Path) -> None:
-    """Compile one C file into one shared library. Raises BuildError with the compiler's message."""
-    cc = system_compiler() if target == own_platform() else None
-    zig = [sys.executable, "-m", "ziglang", "cc", "-target", target.zig_target]
-    command = [cc] if cc else zig
-    command += [*FLAGS, source.name, *target.flags, "-o", str(out)]
-    done = subprocess.run(command, cwd=source.parent, capture_output=True, text=True)
-    if done.returncode != 0:
-        raise BuildError(component, [f"{target.name}: {line}" for line in
-                                     done.stderr.strip().splitlines()[:20]])
+def compile_library(
+    component: str, target: Platform, source: Path, out: Path, *, portable: bool = False
+) -> None:
+    """Compile a C file into a shared library beside it. Raises BuildError quoting the compiler.
 
+    ``portable``: by Zig if it is there, for any machine of the platform; else the own platform's
+    library is made by the system's compiler, which is faster, for machines like this one.
+    """
+    cc = system_compiler() if target == own_platform() else None
+    link = ["-shared", "-s", *target.link, "-o", str(out)]
+    position = [] if target.extension == ".dll" else ["-fPIC"]
+    if target.extension == ".dylib":  # the name by which it is known, else it is that of `out`
+        link.append(f"-Wl,-install_name,@rpath/{component}.dylib")
+    if cc and not (portable and zig_available()):
+        commands = [[cc, *FLAGS, *position, source.name, *link, *target.link_by_system]]
+    else:
+        # in two steps, because Zig builds the C runtime that it links as small as these flags say
+        zig = [sys.executable, "-m", "ziglang", "cc", "-target", target.zig_target]
+        made = f"{target.name}.o"
+        commands = [[*zig, *FLAGS, *SMALL, *position, "-c", source.name, "-o", made],
+                    [*zig, "-Os", made, *link]]  # fmt: skip
+    for command in commands:
+        done = subprocess.run(command, cwd=source.parent, capture_output=True, text=True)
+        if done.returncode != 0:
+            raise BuildError(component, [f"{target.name}: {line}" for line in
+                                         done.stderr.strip().splitlines()[:20]])
+
+
+def universal(libraries: Sequence[bytes]) -> bytes:
+    """macOS libraries for several machines in one file, of which the system takes its own."""
+    alignment = 14  # power of two: the page size of arm64
+    table, content = struct.pack(">II", 0xCAFEBABE, len(libraries)), b""
+    start = 1 << alignment
+    for library in libraries:
+        machine, variant = struct.unpack_from("<II", library, 4)
+        content += bytes(-len(content) % start)
+        offset = start + len(content)
+        table += struct.pack(">IIIII", machine, variant, offset, len(library), alignment)
+        content += library
+    return table.ljust(start, b"\0") + content

@@ -35,6 +35,10 @@ static long elements(Instance *self, Variables variables, bool knowns)
 static bool sizes_fit(Instance *self, Variables unknowns, Variables knowns, size_t n_unknown,
                       size_t n_known)
 {
+    if (!HAS_SENSITIVITIES) {
+        report(self, STATUS_ERROR, "this block offers no partial derivatives");
+        return false;
+    }
     const long u = elements(self, unknowns, false), k = u < 0 ? -1 : elements(self, knowns, true);
     if (u < 0 || k < 0)
         return false;

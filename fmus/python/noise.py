@@ -28,7 +28,10 @@ def normal_draws(seed: int, stream: int, tick: int, channel: int, size: int) -> 
     """``size`` independent draws from N(0, 1) for one tick of one channel."""
     draws: list[float] = []
     for block in range(-(-size // 4)):
-        generator = np.random.Philox(key=[seed, stream], counter=[tick, channel, block, 0])
+        generator = np.random.Philox(
+            key=np.array([seed, stream], dtype=np.uint64),  # a list would pass through float64
+            counter=[tick, channel, block, 0],
+        )
         words = [int(w) >> 11 for w in generator.random_raw(4)]
         for a, b in ((words[0], words[1]), (words[2], words[3])):
             radius = math.sqrt(-2.0 * math.log((a + 1) * 2.0**-53))

@@ -22,6 +22,7 @@ from . import solvers
 from .noise import fnv1a, normal_draws
 
 TICK_TOLERANCE = 1e-9  # of the sample period
+SHORTEST_PERIOD = 1e-6  # s; shorter ones would tick for ever
 
 
 class InstanceError(Exception):
@@ -43,6 +44,7 @@ class Slot(NamedTuple):
     max: float | None
     start: list[float] | None
     is_output: bool
+    tunable: bool
 
     @property
     def size(self) -> int:
@@ -64,7 +66,7 @@ class Instance:
         self.stream = fnv1a(name)
         self.values = np.zeros(1 + sum(s.size for s in layout))
         self.named: dict[str, Array] = {TIME: self.values[0:1].reshape(())}
-        self._slot_of: list[Slot] = [Slot(TIME, "time", (), 0, None, None, None, False)]
+        self._slot_of: list[Slot] = [Slot(TIME, "time", (), 0, None, None, None, False, False)]
         for slot in layout:
             view = self.values[slot.reference : slot.reference + slot.size]
             view[:] = 0.0 if slot.start is None else slot.start
@@ -97,12 +99,17 @@ class Instance:
         """Sample period, s; 0 if the block acts continuously."""
         return float(self.named["sample_period"]) if self.block.sampled else 0.0
 
-    def set(self, references: Sequence[int], values: Sequence[float]) -> None:
-        """Set scalars. A value that is not finite or out of range is refused and remembered."""
+    def set(
+        self, references: Sequence[int], values: Sequence[float], running: bool = False
+    ) -> None:
+        """Set scalars; ``running``: after initialisation, when only some may be set.
+
+        A value that is not finite, out of range or not to be set now is refused and remembered.
+        """
         for reference, value in zip(references, values, strict=True):
             slot = self._slot_of[reference]
             name = element_name(slot, reference)
-            if problem := _out_of_range(slot, value):
+            if problem := _not_settable(slot, running) or _out_of_range(slot, value):
                 self.refused[name] = f"{name} = {value:g}: {problem}"
             else:
                 self.refused.pop(name, None)
@@ -125,6 +132,9 @@ class Instance:
     def require(self) -> None:
         """Check values and the block's requirements. Raises InstanceError with all violations."""
         problems = list(self.refused.values())
+        if 0.0 < self.period < SHORTEST_PERIOD:
+            limit = f"must be 0 or at least {SHORTEST_PERIOD:g}"
+            problems.append(f"sample_period = {self.period:g}: {limit}")
         if self.block.has("requirements"):
             with np.errstate(all="ignore"):
                 held = self.block.evaluate("requirements", self.named)
@@ -134,7 +144,8 @@ class Instance:
 
     def step(self, time: float, h: float) -> None:
         """Go from ``time`` to ``time + h`` with held inputs. Raises InstanceError."""
-        if not h >= 0.0 or not math.isclose(time, self.time, rel_tol=1e-9, abs_tol=1e-9):
+        on_time = math.isclose(time, self.time, rel_tol=1e-9, abs_tol=1e-9)
+        if not 0.0 <= h < math.inf or not on_time:
             problem = f"step from {time:g} s by {h:g} s, but the internal time is {self.time:g} s"
             raise InstanceError([problem])
         if self.refused:
@@ -261,6 +272,14 @@ def element_name(slot: Slot, reference: int) -> str:
         return slot.name
     index = np.unravel_index(reference - slot.reference, slot.shape)
     return f"{slot.name}[{','.join(str(int(i) + 1) for i in index)}]"
+
+
+def _not_settable(slot: Slot, running: bool) -> str:
+    if slot.kind in ("time", "output", "derivative"):
+        return "is calculated and cannot be set"
+    if running and slot.kind != "input" and not slot.tunable:
+        return "cannot be set after initialisation"
+    return ""
 
 
 def _out_of_range(slot: Slot, value: float) -> str:

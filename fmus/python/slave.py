@@ -21,6 +21,9 @@ from ...components.component import Component
 from .runtime import Instance, InstanceError, read_layout
 
 LAYOUT_FILE = "layout.json"
+INSTANTIATED, INITIALIZATION, STEP, TERMINATED = (
+    "instantiated", "initialization mode", "step mode", "terminated",
+)  # fmt: skip
 
 
 class BlockSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu is untyped
@@ -37,19 +40,25 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu is untyped
             self.block_class(**self.structure), layout, arguments["instance_name"]
         )
         self._start_time = 0.0
+        self._mode = INSTANTIATED
         release_at_exit(self.modelName, Path(arguments["resources"]).parent)
 
     def setup_experiment(
         self, start_time: float, stop_time: float | None, tolerance: float | None
     ) -> None:
+        self._require_mode("fmi2SetupExperiment", INSTANTIATED)
         self._start_time = start_time
         if tolerance and "relative_tolerance" in self._instance.named:
             self._instance.named["relative_tolerance"][...] = tolerance
 
     def enter_initialization_mode(self) -> None:
+        self._require_mode("fmi2EnterInitializationMode", INSTANTIATED)
+        self._mode = INITIALIZATION
         self._instance.initialise(self._start_time)
 
     def exit_initialization_mode(self) -> None:
+        self._require_mode("fmi2ExitInitializationMode", INITIALIZATION)
+        self._mode = STEP
         self._instance.initialise(self._start_time)
         try:
             self._instance.require()
@@ -57,12 +66,19 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu is untyped
             self._fail(error)
 
     def do_step(self, current_time: float, step_size: float) -> bool:
+        if self._mode != STEP:
+            self._report(self._not_allowed("fmi2DoStep"))
+            return False
         try:
             self._instance.step(current_time, step_size)
         except InstanceError as error:
             self._report(error)
             return False
         return True
+
+    def terminate(self) -> None:
+        self._require_mode("fmi2Terminate", STEP)
+        self._mode = TERMINATED
 
     def get_real(self, vrs: list[int]) -> list[float]:
         try:
@@ -78,18 +94,28 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu is untyped
         return [bool(v) for v in self.get_real(vrs)]
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
-        self._instance.set(vrs, values)
+        running = self._mode not in (INSTANTIATED, INITIALIZATION)
+        self._instance.set(vrs, values, running)
 
     set_integer = set_boolean = set_real
 
     def _get_fmu_state(self) -> dict[str, Any]:
-        return self._instance.state()
+        return self._instance.state() | {"mode": self._mode, "start": self._start_time}
 
     def _set_fmu_state(self, state: dict[str, Any]) -> None:
         try:
             self._instance.restore(state)
+            self._mode, self._start_time = state["mode"], state["start"]
         except (InstanceError, KeyError, TypeError):
             self._fail(InstanceError(["the saved state belongs to another FMU"]))
+
+    def _require_mode(self, function: str, mode: str) -> None:
+        if self._mode != mode:
+            self._fail(self._not_allowed(function))
+
+    def _not_allowed(self, function: str) -> InstanceError:
+        state = f"the instance is in state: {self._mode}"
+        return InstanceError([f"{function} is not allowed here ({state})"])
 
     def _report(self, error: InstanceError) -> None:
         for problem in error.problems:

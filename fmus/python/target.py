@@ -73,7 +73,7 @@ def _slot(variable: Any) -> dict[str, Any]:
         "name": variable.name, "kind": variable.kind, "shape": list(variable.shape),
         "reference": variable.reference, "min": variable.min, "max": variable.max,
         "start": None if start is None else start.ravel().tolist(),
-        "is_output": variable.is_output,
+        "is_output": variable.is_output, "tunable": variable.tunable,
     }  # fmt: skip
 
 

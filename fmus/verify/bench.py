@@ -1,0 +1,160 @@
+"""Run checks on FMU files: archives looked at here, everything else in processes of its own."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..safe_archive import DESCRIPTION, extract, inspect
+from ..safe_xml import Head, read_head
+from .findings import CheckResult, Finding, Report, Verdict
+from .registry import Check, selected
+
+ARCHIVE = "archive"
+OnResult = Callable[[CheckResult], None]
+
+
+@dataclass(frozen=True)
+class Options:
+    """How to check. ``time_limit`` in seconds stands in for that of each check.
+
+    ``effort`` scales how much is tried; from 20 on everything is, however long it takes.
+    """
+
+    only: Sequence[str] = ()
+    reference: Path | None = None
+    seed: int = 0
+    effort: float = 1.0
+    time_limit: float | None = None
+
+
+class Workshop:
+    """The process that runs checks; started when first needed, again if it was lost."""
+
+    def __init__(self) -> None:
+        self._process: subprocess.Popen[str] | None = None
+
+    def run(self, job: dict[str, Any]) -> dict[str, Any]:
+        """The answer to a job; see ``child``."""
+        process = self._process
+        if process is None or process.poll() is not None:
+            process = self._process = subprocess.Popen(
+                [sys.executable, "-P", "-m", f"{__package__}.child"],
+                stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, encoding="utf-8",
+            )  # fmt: skip
+        assert process.stdin is not None
+        assert process.stdout is not None
+        process.stdin.write(json.dumps(job) + "\n")
+        process.stdin.flush()
+        line = process.stdout.readline()
+        if not line:
+            return {"ended": "exit", "code": process.wait(), "call": "", "output": ""}
+        answer: dict[str, Any] = json.loads(line)
+        return answer
+
+    def close(self) -> None:
+        """End the process."""
+        if self._process is not None:
+            assert self._process.stdin is not None
+            assert self._process.stdout is not None
+            self._process.stdin.close()
+            self._process.stdout.close()
+            self._process.wait()
+            self._process = None
+
+
+@contextmanager
+def workshop() -> Iterator[Workshop]:
+    """A workshop that is closed at the end."""
+    made = Workshop()
+    try:
+        yield made
+    finally:
+        made.close()
+
+
+def verify(
+    files: Iterable[Path], options: Options = Options(),
+    on_result: OnResult = lambda result: None, shop: Workshop | None = None,
+) -> Iterator[Report]:  # fmt: skip
+    """Reports of FMU files, one after the other. Raises KeyError for a check that there is not.
+
+    Files of the same model are compared with each other.
+    """
+    chosen = selected([n for n in options.only if n != ARCHIVE])
+    if list(options.only) == [ARCHIVE]:
+        chosen = {}
+    with tempfile.TemporaryDirectory(prefix="sightline-verify-") as base, workshop() as own:
+        earlier: dict[str, list[dict[str, str]]] = {}
+        for number, path in enumerate(files):
+            folder = Path(base) / str(number)
+            result, head = _open(path, folder)
+            results = [result]
+            on_result(result)
+            if result.verdict is Verdict.PASSED:
+                file = {"path": str(path.resolve()), "folder": str(folder)}
+                others = earlier.setdefault(head.model, [])
+                for check in chosen.values():
+                    results.append(_run(check, file, others, options, shop or own))
+                    on_result(results[-1])
+                others.append(file)
+            yield Report(path, head.model or path.stem, head.version, tuple(results))
+
+
+def _open(path: Path, folder: Path) -> tuple[CheckResult, Head]:
+    """Look at an archive and unpack it if nothing is wrong."""
+    began = time.monotonic()
+    problems = inspect(path)
+    head = Head()
+    if not problems:
+        extract(path, folder)
+        head = read_head((folder / DESCRIPTION).read_bytes())
+    findings = tuple(
+        Finding(ARCHIVE, p.member or path.name, "", p.detail, "nothing in it was executed")
+        for p in problems
+    )
+    verdict = Verdict.FAILED if problems else Verdict.PASSED
+    seconds = time.monotonic() - began
+    return CheckResult(ARCHIVE, verdict, findings, seconds=seconds), head
+
+
+def _run(
+    check: Check, file: dict[str, str], others: list[dict[str, str]], options: Options,
+    shop: Workshop,
+) -> CheckResult:  # fmt: skip
+    seconds = options.time_limit or check.seconds * max(options.effort, 1.0)
+    job = {
+        "check": check.name, "file": file, "others": list(others), "seed": options.seed,
+        "reference": str(options.reference.resolve()) if options.reference else "",
+        "effort": options.effort, "seconds": seconds,
+    }  # fmt: skip
+    began = time.monotonic()
+    answer = shop.run(job)
+    if "result" in answer:
+        return CheckResult.from_json(answer["result"])
+    where = answer["call"] or "before the first call"
+    finding = Finding(check.name, where, "", _ending(answer, seconds))
+    return CheckResult(check.name, Verdict.FAILED, (finding,), seconds=time.monotonic() - began)
+
+
+def _ending(answer: dict[str, Any], seconds: float) -> str:
+    if answer["ended"] == "time":
+        return f"did not come back within {seconds:g} s"
+    output = answer["output"].strip()
+    said = f"; its last words: {output.splitlines()[-1][:200]}" if output else ""
+    if answer["ended"] == "signal":
+        try:
+            name = signal.Signals(answer["code"]).name
+        except ValueError:
+            name = f"signal {answer['code']}"
+        return f"crashed the process ({name}){said}"
+    return f"ended the process with exit code {answer['code']}{said}"

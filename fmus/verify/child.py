@@ -1,0 +1,202 @@
+"""The process in which FMUs run: takes jobs as lines of JSON, answers each with a line of JSON.
+
+Each job is one check of one FMU, in a process of its own: a fork of this one, which has everything
+imported already, or a new one where there is no fork. What the FMU prints goes to a file; the name
+of each call is written into a file mapped to memory, which survives whatever ends the process.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import gc
+import importlib
+import json
+import mmap
+import os
+import select
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from ..units import unit
+from .driver import NoInstance
+from .findings import CheckResult, Verdict
+from .lab import Lab
+from .registry import Check, NotApplicable, Notes, checks
+from .session import Refused
+from .subject import Subject
+
+TRACE_BYTES = 256
+
+
+def main() -> None:
+    """Serve jobs until the input ends; ``--once``: do one job in this process."""
+    if sys.argv[1:] == ["--once"]:
+        answer = os.dup(1)
+        os.dup2(2, 1)
+        _do(json.loads(sys.stdin.readline()), answer)
+        return
+    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)
+    checks()
+    _import_what_fmus_import()
+    for line in sys.stdin:
+        job = json.loads(line)
+        _prepare(job)
+        answers.write(json.dumps(_serve(job)) + "\n")
+        answers.flush()
+
+
+def _import_what_fmus_import() -> None:
+    """Python FMUs need pythonfmu; here once, not in every fork."""
+    with contextlib.suppress(ImportError):
+        importlib.import_module("pythonfmu")
+
+
+def _prepare(job: dict[str, Any]) -> None:
+    """Read descriptions and units before forking; what goes wrong shows in the fork again."""
+    if job["check"] == "description.units":
+        unit("m")  # loads the table of units
+    with contextlib.suppress(Exception):
+        for file in (job["file"], *job["others"]):
+            _subject(file["path"], file["folder"])
+    gc.collect()
+    gc.freeze()  # or collections in the forks would copy all of this
+
+
+def _serve(job: dict[str, Any]) -> dict[str, Any]:
+    """Run one job in a process of its own: its result, or how the process ended."""
+    with tempfile.TemporaryDirectory(prefix="sightline-verify-") as scratch:
+        job |= {"scratch": scratch}
+        (Path(scratch) / "trace").write_bytes(bytes(TRACE_BYTES))
+        (Path(scratch) / "work").mkdir()
+        runner = _fork if hasattr(os, "fork") else _spawn
+        text, answer = runner(job, time.monotonic() + job["seconds"])
+        if text and "ended" not in answer:
+            return {"result": json.loads(text)}
+        call = (Path(scratch) / "trace").read_bytes().rstrip(b"\0").decode(errors="replace")
+        output = Path(scratch) / "output"
+        said = output.read_text(errors="replace")[-2000:] if output.exists() else ""
+        return answer | {"call": call, "output": said}
+
+
+def _fork(job: dict[str, Any], deadline: float) -> tuple[str, dict[str, Any]]:
+    reader, writer = os.pipe()
+    pid = os.fork()
+    if pid == 0:
+        os.close(reader)
+        _quietly(Path(job["scratch"]))
+        try:
+            _do(job, writer)
+        finally:
+            os._exit(0)
+    os.close(writer)
+    parts: list[bytes] = []
+    ended: dict[str, Any] = {"ended": "time"}
+    while (left := deadline - time.monotonic()) > 0:
+        if select.select([reader], [], [], left)[0]:
+            part = os.read(reader, 1 << 16)
+            if not part:
+                ended = {}
+                break
+            parts.append(part)
+    if ended:
+        os.kill(pid, signal.SIGKILL)
+    os.close(reader)
+    code = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
+    if not ended and not parts:
+        ended = {"ended": "signal" if code < 0 else "exit", "code": abs(code)}
+    return b"".join(parts).decode(), ended
+
+
+def _quietly(scratch: Path) -> None:
+    """Turn input and output away from the pipes of this process; leave no core files."""
+    output = os.open(scratch / "output", os.O_WRONLY | os.O_CREAT)
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(nothing, 0)
+    os.dup2(output, 1)
+    os.dup2(output, 2)
+    os.close(nothing)
+    os.close(output)
+    try:
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    except ImportError:
+        pass
+
+
+def _spawn(job: dict[str, Any], deadline: float) -> tuple[str, dict[str, Any]]:
+    command = [sys.executable, "-m", f"{__package__}.child", "--once"]
+    try:
+        done = subprocess.run(command, input=json.dumps(job) + "\n", capture_output=True,
+                              text=True, timeout=max(deadline - time.monotonic(), 0.1))
+    except subprocess.TimeoutExpired:
+        return "", {"ended": "time"}
+    if done.stdout and done.returncode == 0:
+        return done.stdout, {}
+    kind = "signal" if done.returncode < 0 else "exit"
+    return "", {"ended": kind, "code": abs(done.returncode)}
+
+
+def _do(job: dict[str, Any], writer: int) -> None:
+    """Run the check here and write its result."""
+    result = run(job)
+    data = json.dumps(result.to_json()).encode()
+    while data:
+        data = data[os.write(writer, data):]
+
+
+def run(job: dict[str, Any]) -> CheckResult:
+    """The result of a job. Whatever goes wrong becomes a finding."""
+    check = checks()[job["check"]]
+    began = time.monotonic()
+    os.chdir(Path(job["scratch"]) / "work")
+    with (Path(job["scratch"]) / "trace").open("r+b") as file:
+        trace = mmap.mmap(file.fileno(), TRACE_BYTES)
+
+    def record(call: str) -> None:
+        trace[:] = call.encode()[:TRACE_BYTES].ljust(TRACE_BYTES, b"\0")
+
+    notes = Notes(check.name)
+    verdict, reason = _judge(check, notes, job, record)
+    return CheckResult(check.name, verdict, tuple(notes.findings), reason, dict(notes.tried),
+                       time.monotonic() - began)
+
+
+def _judge(check: Check, notes: Notes, job: dict[str, Any], record: Any) -> tuple[Verdict, str]:
+    lab: Lab | None = None
+    try:
+        lab = Lab(
+            _subject(**job["file"]), [_subject(**f) for f in job["others"]],
+            Path(job["reference"]) if job["reference"] else None,
+            job["seed"], job["effort"], record,
+        )
+        check.function(lab, notes)
+    except NotApplicable as error:
+        return Verdict.NOT_APPLICABLE, str(error)
+    except Refused as error:
+        notes.wrong(error.action, error.found, "status OK")
+    except NoInstance as error:
+        notes.wrong("instantiation", str(error), "an instance")
+    except Exception as error:
+        if lab is not None:
+            raise
+        notes.wrong("modelDescription.xml", f"cannot be read: {error}")
+    if lab is not None:
+        lab.close()
+    return (Verdict.FAILED if notes.findings else Verdict.PASSED), ""
+
+
+@lru_cache(maxsize=16)
+def _subject(path: str, folder: str) -> Subject:
+    return Subject(Path(path), Path(folder))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,149 @@
+"""One broken FMU per defect: each is caught by the check meant for it, and only sound ones pass."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from sightline.fmus.verify.findings import Report, Verdict
+from sightline.fmus.verify.registry import checks
+
+Check = Callable[..., Report]
+Make = Callable[..., Path]
+
+IN_THE_SOURCE = [
+    ("MISSING_FUNCTION", "description.binaries", "lacks fmi2GetDirectionalDerivative"),
+    ("ANY_TOKEN", "description.token", "instantiation with another token: gives an instance"),
+    ("REFUSES", "calls.legal", "no inputs during initialisation"),
+    ("STEP_ANYWHERE", "calls.illegal", "a step in mode instantiated: accepted"),
+    ("DAMAGE", "calls.illegal", "afterwards, reset, y after step 0"),
+    ("DAMAGE", "calls.storm", "afterwards, reset, y after step 0"),
+    ("ADDRESS", "determinism.instances", "a second instance: differs: y after step 0"),
+    ("SHARED_STATE", "determinism.independence", "differs: y after step"),
+    ("RESET", "determinism.reset", "after reset: differs: x after step 0"),
+    ("PROCESS", "determinism.processes", "another process: differs: y after step 0"),
+    ("STATE", "state.restore", "values, restored once: differs: x"),
+    ("STATE_MODE", "state.modes", "setup of the experiment: Error"),
+    ("COUNTS_STEPS", "state.rollback", "differs: y after step 0"),
+    ("SERIALIZE", "state.serialize", "continued in the same instance: differs"),
+    ("ANY_BYTES", "state.damaged", "deserialising random bytes: accepted"),
+    ("EULER", "steps.partition", "usual steps: "),
+    ("DRIFT", "steps.drift", "internal time at the end"),
+    ("NAN", "inputs.running", "u = nan: der(x), y not finite after setting, with status OK"),
+    ("NAN", "inputs.start", "k = nan"),
+    ("NO_MESSAGE", "inputs.running", "u = nan: refused on setting without a message"),
+    ("CRASH_ON_NAN", "inputs.running", "fmi2SetReal with u = nan: crashed the process (SIGABRT)"),
+    ("DERIVATIVE", "derivatives.directional", "by x: d z is"),
+    ("EXCHANGE", "interfaces", "by model exchange"),
+    ("LEAK_STEP", "resources.steps", "bytes a step"),
+    ("LEAK_INSTANCE", "resources.instances", "bytes an instance"),
+    ("OPEN_FILE", "resources.instances", "/dev/null left open"),
+    ("CHDIR", "resources.surroundings", "working directory: changed"),
+    ("WRITES_FILE", "resources.surroundings", "debug.txt written"),
+    ("CRASH", "calls.legal", "crashed the process (SIGSEGV)"),
+    ("EXIT", "calls.legal", "ended the process with exit code 3"),
+]
+IN_THE_DESCRIPTION = [
+    (' modelName="Bench"', ' modelName="Bench" colour="red"', "description.schema", "colour"),
+    ('      <Unknown index="5" dependencies="1 3"/>\n      <Unknown index="6" dependencies=""/>\n'
+     '      <Unknown index="7" dependencies="3"/>\n    </InitialUnknowns>',
+     '      <Unknown index="6" dependencies=""/>\n'
+     '      <Unknown index="7" dependencies="3"/>\n    </InitialUnknowns>',
+     "description.structure", "y: is not an initial unknown"),
+    ('<Unknown index="7" dependencies="3"/>', '<Unknown index="7" dependencies="5"/>',
+     "description.structure", "z: depends on y, a output"),
+    ('name="z"', 'name="y"', "description.validation", 'name "y" (line'),
+    ('unit="m2"', 'unit="m3"', "description.units", "z: the unit m3 is not defined"),
+    ('<BaseUnit m="2"/>', '<BaseUnit m="3"/>', "description.units",
+     "m2: is defined as m3; expected m2"),
+    ('start="1.0" min="0.1"', 'start="0.0" min="0.1"', "description.start", "k: starts at 0"),
+    ('guid="{bench}"', 'guid="{other}"', "description.token", "wrong token"),
+    ('<Unknown index="5" dependencies="1 3"/>', '<Unknown index="5" dependencies="3"/>',
+     "dependencies", "y: changes with u; expected no change"),
+]  # fmt: skip
+
+
+def test_the_sound_fmu_passes_every_check(make: Make, check: Check) -> None:
+    report = check(make(), effort=0.2)
+    assert report.failures == ()
+    skipped = {r.check for r in report.results if r.verdict is Verdict.NOT_APPLICABLE}
+    assert skipped == {"derivatives.adjoint", "agreement", "reference"}
+
+
+@pytest.mark.parametrize(("defect", "meant", "found"), IN_THE_SOURCE)
+def test_a_defect_of_the_source_is_caught(
+    defect: str, meant: str, found: str, make: Make, check: Check
+) -> None:
+    report = check(make(defect), only=(meant,))
+    assert report.result(meant).verdict is Verdict.FAILED
+    assert found in "\n".join(map(str, report.failures))
+
+
+@pytest.mark.parametrize(("old", "new", "meant", "found"), IN_THE_DESCRIPTION)
+def test_a_defect_of_the_description_is_caught(
+    old: str, new: str, meant: str, found: str, make: Make, check: Check
+) -> None:
+    report = check(make("", (old, new)), only=(meant,))
+    assert report.result(meant).verdict is Verdict.FAILED
+    assert found in "\n".join(map(str, report.failures))
+
+
+def test_a_hanging_fmu_is_ended_and_its_last_call_named(make: Make, check: Check) -> None:
+    report = check(make("HANG"), only=("calls.storm",), time_limit=1.0)
+    assert "did not come back within 1 s" in str(report.failures[0])
+    assert report.failures[0].where.startswith("fmi2DoStep(")
+
+
+def test_after_a_crash_the_other_checks_run(make: Make, check: Check) -> None:
+    report = check(make("CRASH"))
+    verdicts = {r.check: r.verdict for r in report.results}
+    assert list(verdicts) == ["archive", *checks()]
+    assert verdicts["steps.partition"] is Verdict.FAILED
+    assert verdicts["description.binaries"] is Verdict.PASSED
+
+
+def test_fmus_of_one_model_that_disagree_are_caught(make: Make, check: Check) -> None:
+    files = make(name="one"), make("GAIN", name="two")
+    report = check(*files, only=("agreement",))
+    assert "y after step" in str(report.failures[0])
+    assert "as one.fmu" in str(report.failures[0])
+
+
+def test_fmus_of_one_model_that_agree_pass(make: Make, check: Check) -> None:
+    report = check(make(name="one"), make(name="two"), only=("agreement",))
+    assert report.result("agreement").verdict is Verdict.PASSED
+
+
+REFERENCE = '"time","x"\n0,1\n0.5,0.8032653298563167\n1,0.6839397205857212\n'  # u = 0.5
+
+
+def test_a_reference_beside_the_fmu_is_followed(make: Make, check: Check) -> None:
+    path = make()
+    path.with_name("bench_ref.csv").write_text(REFERENCE, encoding="utf-8")
+    result = check(path, only=("reference",)).result("reference")
+    assert (result.verdict, result.tried) == (Verdict.PASSED, {"values": 3})
+
+
+def test_a_reference_with_inputs_is_followed(make: Make, check: Check) -> None:
+    path = make()
+    given = path.with_name("given_ref.csv")
+    given.write_text("time,x,y\n0,1,3\n1,1,3\n", encoding="utf-8")
+    path.with_name("given_in.csv").write_text("time,u\n0,1\n1,1\n", encoding="utf-8")
+    assert check(path, only=("reference",), reference=given).passed
+
+
+@pytest.mark.parametrize(
+    ("reference", "found"),
+    [
+        (REFERENCE.replace("0.68", "0.69"), "x at 1 s: 0.683939721; expected 0.69"),
+        (REFERENCE.replace('"x"', '"w"'), "the column w is no variable of the FMU"),
+    ],
+)
+def test_a_reference_that_is_missed_is_a_failure(
+    reference: str, found: str, make: Make, check: Check
+) -> None:
+    path = make()
+    path.with_name("bench_ref.csv").write_text(reference, encoding="utf-8")
+    assert found in str(check(path, only=("reference",)).failures[0])
