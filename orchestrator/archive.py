@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import itertools
+import math
 import re
 import zipfile
 import zlib
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -24,15 +26,21 @@ KINDS: dict[str, Kind] = {
     "Boolean": "boolean",
     "String": "string",
     "Enumeration": "enumeration",
-}
+    "Float64": "real",
+    "Float32": "real",
+    **{f"{sign}Int{bits}": "integer" for sign in ("", "U") for bits in (8, 16, 32, 64)},
+}  # binary variables and clocks are left at their start
 INDEXED = re.compile(r"^(?P<base>.+)\[(?P<index>\d+(?:,\s*\d+)*)\]$")
-SUPPORTED = ("2.0",)
+SUPPORTED = ("2.0", "3.0")
+ENUMERATED = {"2.0": "Integer", "3.0": "Int64"}
+PLATFORMS = {"2.0": fmpy.platform, "3.0": fmpy.platform_tuple}
 
 
 def read(path: Path) -> FmuDescription:
     """The description of an FMU. Raises FmuError if the file cannot be run on this machine."""
     text, names = _open(path)
     version = text.get("fmiVersion", "")
+    version = "3.0" if version.startswith("3.0.") else version
     if version not in SUPPORTED:
         raise FmuError(
             str(path),
@@ -49,28 +57,39 @@ def read(path: Path) -> FmuDescription:
             "offers no co-simulation, only model exchange",
             "export it for co-simulation",
         )
-    _require_binary(path, model.coSimulation.modelIdentifier, names)
+    offered = model.coSimulation
+    _require_binary(path, offered.modelIdentifier, names, PLATFORMS[version])
+    variables = [v for v in model.modelVariables if v.type in KINDS]
+    flags = text.find("CoSimulation").attrib
     return FmuDescription(
         path=path,
         version=version,
         model_name=model.modelName,
-        identifier=model.coSimulation.modelIdentifier,
-        token=model.guid,
+        identifier=offered.modelIdentifier,
+        token=model.guid if version == "2.0" else model.instantiationToken,
         description=model.description or "",
         generator=model.generationTool or "",
-        ports=ports(model.modelVariables, _units(model), _frames(text)),
+        ports=ports(variables, _units(model), _frames(text), ENUMERATED[version]),
         feedthrough=_feedthrough(model),
-        variable_step=model.coSimulation.canHandleVariableCommunicationStepSize,
-        can_restore=model.coSimulation.canGetAndSetFMUstate,
+        variable_step=offered.canHandleVariableCommunicationStepSize,
+        fixed_step=_number(flags.get("fixedInternalStepSize")),
+        can_restore=_flag(flags, "canGetAndSetFMUstate", "canGetAndSetFMUState"),
+        can_serialize=_flag(flags, "canSerializeFMUstate", "canSerializeFMUState"),
+        can_interpolate=_flag(flags, "canInterpolateInputs"),
+        has_derivatives=_flag(
+            flags, "providesDirectionalDerivative", "providesDirectionalDerivatives"
+        ),
+        event_mode=_flag(flags, "hasEventMode"),
+        only_once=_flag(flags, "canBeInstantiatedOnlyOncePerProcess"),
     )
 
 
-def extract(description: FmuDescription, folder: Path) -> None:
-    """Unpack an FMU's archive. Raises FmuError if the archive is damaged."""
-    try:
-        fmpy.extract(str(description.path), str(folder))
-    except (zipfile.BadZipFile, zlib.error, EOFError, OSError) as error:
-        raise FmuError(str(description.path), f"is a damaged archive: {error}") from None
+def _flag(attributes: Mapping[str, str], *names: str) -> bool:
+    return any(attributes.get(name) in ("true", "1") for name in names)
+
+
+def _number(text: str | None) -> float | None:
+    return None if text is None else float(text)
 
 
 def _open(path: Path) -> tuple[Any, list[str]]:
@@ -94,15 +113,15 @@ def _open(path: Path) -> tuple[Any, list[str]]:
         raise FmuError(str(path), f"its modelDescription.xml is not XML: {error}") from None
 
 
-def _require_binary(path: Path, identifier: str, names: Iterable[str]) -> None:
+def _require_binary(path: Path, identifier: str, names: Iterable[str], platform: str) -> None:
     present = sorted({n.split("/")[1] for n in names if re.match(r"binaries/[^/]+/.", n)})
-    binary = f"binaries/{fmpy.platform}/{identifier}{fmpy.sharedLibraryExtension}"
+    binary = f"binaries/{platform}/{identifier}{fmpy.sharedLibraryExtension}"
     if binary not in set(names):
         has = f"it has binaries for {', '.join(present)}" if present else "it has no binaries"
         raise FmuError(
             str(path),
             f"cannot run on this platform: no {binary}",
-            f"{has}; export it for {fmpy.platform}",
+            f"{has}; export it for {platform}",
         )
 
 
@@ -122,7 +141,9 @@ def _frames(text: Any) -> dict[str, str]:
     """Frame roles by the variable's name, from this project's annotation."""
     frames = {}
     for variable in text.iterfind("ModelVariables/*"):
-        frame = variable.find("Annotations/Tool[@name='sightline']/Frame")
+        frame = variable.find("Annotations/Tool[@name='sightline']/Frame")  # FMI 2.0
+        if frame is None:
+            frame = variable.find("Annotations/Annotation[@type='sightline']/Frame")  # FMI 3.0
         if frame is not None and frame.text:
             frames[variable.get("name")] = frame.text.strip()
     return frames
@@ -140,14 +161,17 @@ def _feedthrough(model: Any) -> dict[int, frozenset[int]]:
 
 
 def ports(
-    variables: Iterable[Any], units: Mapping[str, Unit], frames: Mapping[str, str]
+    variables: Iterable[Any],
+    units: Mapping[str, Unit],
+    frames: Mapping[str, str],
+    enumerated: str = "Integer",
 ) -> dict[str, Port]:
     """Scalars named ``x[1]``, ``x[2]``, ... grouped into arrays; everything else as it is."""
     groups: dict[str, list[tuple[tuple[int, ...], Any]]] = {}
     variables = list(variables)
     for variable in variables:
         match = INDEXED.match(variable.name)
-        if match:
+        if match and not variable.shape:
             index = tuple(int(i) for i in match["index"].split(","))
             groups.setdefault(match["base"], []).append((index, variable))
     taken = {v.name for v in variables}
@@ -160,9 +184,12 @@ def ports(
             continue
         if base in shapes:
             members = [v for _, v in sorted(groups[base], key=lambda m: m[0])]
-            result[base] = _port(base, shapes[base], members, units, frames)
+            port = _port(base, shapes[base], members, units, frames)
         else:
-            result[variable.name] = _port(variable.name, (), [variable], units, frames)
+            port = _port(variable.name, variable.shape or (), [variable], units, frames)
+        if port.kind == "enumeration":
+            port = replace(port, type=enumerated)
+        result[port.name] = port
     return result
 
 
@@ -190,6 +217,11 @@ def _port(
     low = first.min or getattr(declared, "min", None)
     high = first.max or getattr(declared, "max", None)
     starts = tuple(v.start for v in members)
+    references = tuple(v.valueReference for v in members)
+    if first.shape:  # an array of FMI 3.0
+        references *= math.prod(first.shape)
+        starts = tuple((first.start or "").split()) or (None,)
+        starts *= len(references) if len(starts) == 1 else 1
     settable = first.variability != "constant" and (
         first.causality in ("input", "parameter") or first.initial in ("exact", "approx")
     )
@@ -198,7 +230,9 @@ def _port(
         shape=shape,
         kind=KINDS[first.type],
         causality=first.causality,
-        references=tuple(v.valueReference for v in members),
+        references=references,
+        type=first.type,
+        variability=first.variability or "continuous",
         unit=units.get(unit, Unit(unit)) if unit else None,
         frame=frames.get(first.name, ""),
         description=first.description or "",

@@ -47,9 +47,13 @@ def _build(component: str, instance: Instance, say: Say) -> Path | tuple[str, ..
     from ..fmus.build import build
     from ..fmus.errors import BuildError
 
-    say(f"building {component}")
+    def begun() -> None:
+        say(f"building {component}")
+
     try:
-        return build(component, structure=instance.structure, target=instance.target)
+        return build(
+            component, structure=instance.structure, target=instance.target, begun=begun
+        )
     except BuildError as error:
         return tuple(error.problems)
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import sys
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-DONE, FAILED, MISUSED, STOPPED = 0, 1, 2, 130  # exit codes
+from .exit_codes import FAILED, STOPPED
 
 app = typer.Typer(
     name="sightline",
@@ -23,9 +24,34 @@ app = typer.Typer(
 Out = Annotated[Path, typer.Option("--out", "-o", help="Folder for the results; created.")]
 Set = Annotated[
     list[str] | None,
-    typer.Option("--set", help="instance.name=value for a parameter or start value; repeatable."),
+    typer.Option(
+        "--set", help="instance.name=value, simulation.step=value or repeat.i=count; repeatable."
+    ),
 ]
 Csv = Annotated[bool, typer.Option("--csv", help="Write results.csv too.")]
+
+
+class Kind(StrEnum):
+    """Kinds of figures."""
+
+    time = "time"
+    angle = "angle"
+    trajectory = "trajectory"
+    activity = "activity"
+
+
+class Form(StrEnum):
+    """Forms of pictures."""
+
+    png = "png"
+    svg = "svg"
+
+
+class Scale(StrEnum):
+    """Scales of an axis."""
+
+    linear = "linear"
+    log = "log"
 
 
 @app.command("list", epilog="Example:  sightline list")
@@ -76,11 +102,57 @@ def run(
     out: Out,
     settings: Set = None,
     csv: Csv = False,
+    checkpoint_every: Annotated[
+        float, typer.Option(min=0.0, help="Simulated seconds between writing checkpoint.h5.")
+    ] = 0.0,
+    resume: Annotated[
+        Path | None, typer.Option(help="Go on from this checkpoint.h5, beside its results.")
+    ] = None,
 ) -> None:
     """Build, check and co-simulate a system; leave results.h5 and figures in a folder."""
     from . import command_run
 
-    raise typer.Exit(command_run.run(config, out, settings or [], csv))
+    checkpoints = command_run.Checkpoints(checkpoint_every, resume)
+    raise typer.Exit(command_run.run(config, out, settings or [], csv, checkpoints))
+
+
+@app.command(epilog="Example:  sightline explain system.toml --graph system.svg")
+def explain(
+    config: Annotated[Path, typer.Argument(help="The system's TOML file.")],
+    graph: Annotated[
+        Path | None, typer.Option("--graph", "-g", help="Draw it: a .svg, .png or .pdf file.")
+    ] = None,
+    settings: Set = None,
+) -> None:
+    """Say what a run will do: order, rates, timing of connections, loops, units, frames."""
+    from . import command_explain
+
+    raise typer.Exit(command_explain.run(config, settings or [], graph))
+
+
+@app.command(epilog="Example:  sightline verify fmus/*.fmu --junit report.xml")
+def verify(
+    files: Annotated[list[Path], typer.Argument(help="FMU files, of any origin.")],
+    junit: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write the report as JUnit XML too.")
+    ] = None,
+    only: Annotated[
+        list[str] | None, typer.Option(help="A check or a family of checks; repeatable.")
+    ] = None,
+    reference: Annotated[
+        Path | None, typer.Option(help="Reference solution as CSV; NAME_in.csv gives inputs.")
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of random inputs and calls.")] = 0,
+    thorough: Annotated[
+        bool, typer.Option("--thorough", help="Try everything: minutes instead of seconds.")
+    ] = False,
+) -> None:
+    """Test FMUs in isolation: description, calls, states, steps, inputs, resources."""
+    from . import command_verify
+
+    raise typer.Exit(
+        command_verify.verify(files, junit, only or [], reference, seed, thorough)
+    )
 
 
 @app.command(epilog="Example:  sightline demo --out first-run")
@@ -89,6 +161,33 @@ def demo(out: Out = Path("los_formation"), settings: Set = None, csv: Csv = Fals
     from . import command_run
 
     raise typer.Exit(command_run.demo(out, settings or [], csv))
+
+
+@app.command(epilog="Example:  sightline plot results/results.h5 --signals 'craft*.position'")
+def plot(
+    results: Annotated[Path, typer.Argument(help="A results.h5 file.")],
+    signals: Annotated[
+        list[str] | None,
+        typer.Option("--signals", "-s", help="instance.port, with * and ?; repeatable."),
+    ] = None,
+    kind: Annotated[
+        Kind, typer.Option(help="angle, trajectory: from the last signal.")
+    ] = Kind.time,
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", help="A .png, .svg or .pdf file, or a folder.")
+    ] = None,
+    form: Annotated[Form, typer.Option("--format", help="Of figures in a folder.")] = Form.png,
+    scale: Annotated[Scale | None, typer.Option(help="Of the value axis.")] = None,
+    until: Annotated[float | None, typer.Option(help="End of the time axis, s.")] = None,
+    title: Annotated[str | None, typer.Option(help="Headline.")] = None,
+) -> None:
+    """Draw signals of a results file; without --signals, the figures of its configuration."""
+    from . import command_plot
+
+    settings = {"scale": scale and scale.value, "until": until, "title": title}
+    raise typer.Exit(
+        command_plot.plot(results, signals or [], kind.value, out, form.value, settings)
+    )
 
 
 def main() -> None:

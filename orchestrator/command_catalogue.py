@@ -11,7 +11,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from .cli import DONE, FAILED, MISUSED
+from .exit_codes import DONE, FAILED, MISUSED
 
 if TYPE_CHECKING:
     from ..components.component import Component
@@ -46,12 +46,14 @@ def info(name: str) -> int:
     console.print(inspect.getdoc(type(block)) or "", markup=False, soft_wrap=True)
     _structure(console, block)
     from ..components import DiscreteState, Noise, Parameter, State
+    from ..fmus.model import settings_of
 
     _quantities(console, "inputs", block.inputs_.values())
-    _quantities(console, "outputs", block.outputs_.values())
+    _quantities(console, "outputs", block.outputs_.values(), started=False)
     _quantities(console, "parameters", block.of_type(Parameter).values())
     _quantities(console, "states", block.of_type(State, DiscreteState).values())
-    _quantities(console, "noise", block.of_type(Noise).values())
+    _quantities(console, "noise", block.of_type(Noise).values(), started=False)
+    _quantities(console, "settings of the FMU", settings_of(block))
     console.print(f"\nsource: {inspect.getsourcefile(type(block))}", markup=False, soft_wrap=True)
     return DONE
 
@@ -105,17 +107,25 @@ def _structure(console: Console, block: Component) -> None:
     console.print(table)
 
 
-def _quantities(console: Console, title: str, quantities: Iterable[Any]) -> None:
+def _quantities(
+    console: Console, title: str, quantities: Iterable[Any], started: bool = True
+) -> None:
     quantities = list(quantities)
     if not quantities:
         return
-    framed = any(q.frame for q in quantities)
-    heads = [title, "shape", "unit", *(["frame"] if framed else []), "start", "what"]
-    table = _table(*heads)
-    for q in quantities:
-        shape = " x ".join(str(n) for n in q.shape) or "scalar"
-        frame = [q.frame or ""] if framed else []
-        table.add_row(q.name, shape, q.unit or "", *frame, _value(q.value), q.doc)
+    columns = {
+        title: [q.name for q in quantities],
+        "shape": [" x ".join(str(n) for n in q.shape) or "scalar" for q in quantities],
+        "unit": [q.unit or "" for q in quantities],
+    }
+    if any(q.frame for q in quantities):
+        columns["frame"] = [q.frame or "" for q in quantities]
+    if started:
+        columns["start"] = [_value(q.value) for q in quantities]
+    columns["what"] = [q.doc for q in quantities]
+    table = _table(*columns)
+    for row in zip(*columns.values(), strict=True):
+        table.add_row(*row)
     console.print()
     console.print(table)
 
@@ -128,6 +138,8 @@ def _table(*heads: str) -> Table:
 
 
 def _value(value: Any) -> str:
-    if value.ndim and value.size and np.all(value == value.flat[0]):
-        return f"all {value.flat[0]:g}" if value.size > 1 else f"{value.flat[0]:g}"
+    if value.size == 1:
+        return f"{value.flat[0]:g}"
+    if value.size and np.all(value == value.flat[0]):
+        return f"all {value.flat[0]:g}"
     return np.array2string(value, separator=" ", precision=6, threshold=12)

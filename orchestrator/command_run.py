@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Sequence
+from dataclasses import dataclass
 from importlib.resources import as_file, files
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 
-from .cli import DONE, FAILED, MISUSED, STOPPED
+from .alike import few
 from .errors import ConfigError, FmuError, Problem, RunError
+from .exit_codes import DONE, FAILED, MISUSED, STOPPED
 from .progress import bar
 from .results import FILE, read, write_csv
 from .run import Interrupted, Statistics
@@ -20,7 +22,18 @@ from .system import System
 EXAMPLE = ("los_formation", "system.toml")
 
 
-def run(config: Path, out: Path, settings: Sequence[str], csv: bool) -> int:
+@dataclass(frozen=True)
+class Checkpoints:
+    """How often the system's state is kept, simulated s, and the file to go on from."""
+
+    every: float = 0.0
+    resume: Path | None = None
+
+
+def run(
+    config: Path, out: Path, settings: Sequence[str], csv: bool,
+    checkpoints: Checkpoints = Checkpoints(),
+) -> int:  # fmt: skip
     """Run a system; the exit code."""
     console = Console(stderr=True, highlight=False, soft_wrap=True)
 
@@ -30,9 +43,9 @@ def run(config: Path, out: Path, settings: Sequence[str], csv: bool) -> int:
     try:
         system = System.from_toml(config, overrides(settings), say)
         _say_if_slow(system, say)
-        for note in system.graph.notes:
-            say(f"note: {note}")
-        return _simulate(system, out, csv, console)
+        for note in few(f"note: {n}" for n in system.graph.notes):
+            say(note)
+        return _simulate(system, out, csv, checkpoints, console)
     except ConfigError as error:
         say(str(error))
         return MISUSED
@@ -70,13 +83,17 @@ def overrides(settings: Sequence[str]) -> dict[str, Any]:
     return values
 
 
-def _simulate(system: System, out: Path, csv: bool, console: Console) -> int:
+def _simulate(
+    system: System, out: Path, csv: bool, checkpoints: Checkpoints, console: Console
+) -> int:
     simulation = system.loaded.config.simulation
     ending, code = "", DONE
     statistics: Statistics | None = None
     try:
         with bar(simulation.start_time, simulation.stop_time, console) as show:
-            statistics = system.simulate(out, show)
+            statistics = system.execute(
+                out, show, checkpoint_every=checkpoints.every, resume=checkpoints.resume
+            )
     except RunError as error:
         ending, code = str(error), FAILED
     except Interrupted as error:
@@ -105,7 +122,7 @@ def _report(system: System, out: Path, csv: bool, code: int, console: Console) -
     if plots and len(results.time) > 1:
         from .plots import draw
 
-        parts += [p.name for p in draw(out, plots, system.selection.drawn, results)]
+        parts += [p.name for p in draw(out, plots, results)]
     if (out / "log.txt").exists():
         parts.append("log.txt")
     state = "results" if code == DONE else "results until then"

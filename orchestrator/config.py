@@ -9,6 +9,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 INSTANCE_NAME = r"^[A-Za-z_][A-Za-z0-9_-]*$"
+INDEX_NAME = r"^[A-Za-z_][A-Za-z0-9_]*$"
+RESERVED = ("time", "config")  # what results hold besides instances
 CONNECTION = re.compile(
     r"^\s*(?P<source>[^\s.]+)\.(?P<output>.+?)\s*->\s*(?P<destination>[^\s.]+)\.(?P<input>.+?)\s*$"
 )
@@ -23,13 +25,21 @@ class _Table(BaseModel):
 
 
 class Simulation(_Table):
-    """When and how the system is stepped. Times in seconds."""
+    """When and how the system is stepped. Times in seconds.
+
+    ``delay``: connections that may be one step late, to break algebraic loops. ``tolerance``: of
+    the adaptive algorithm, whose first step is ``step``.
+    """
 
     start_time: Finite = 0.0
     stop_time: Finite
     step: Positive
-    algorithm: Literal["gauss-seidel", "jacobi"] = "gauss-seidel"
-    coupling: Literal["hold"] = "hold"
+    algorithm: Literal["gauss-seidel", "jacobi", "adaptive"] = "gauss-seidel"
+    coupling: Literal["hold", "linear", "quadratic"] = "hold"
+    tolerance: Positive = 1e-6
+    loop_tolerance: Positive = 1e-9
+    loop_iterations: Annotated[int, Field(ge=1)] = 50
+    delay: list[str] = []
 
     @property
     def steps(self) -> int:
@@ -47,6 +57,8 @@ class Instance(_Table):
     parameters: dict[str, Any] = {}
     start: dict[str, Any] = {}
     frames: dict[str, str] = {}
+    every: Annotated[int, Field(ge=1)] = 1  # communication steps that one of its steps spans
+    max_step: Positive | None = None  # s, that the FMU takes at once
 
     @property
     def builds(self) -> str | None:
@@ -67,17 +79,37 @@ class Record(_Table):
 
 
 class Plot(_Table):
-    """One figure."""
+    """One figure. ``until``: the end of the time axis, s.
+
+    The last signal of a trajectory or an angle is what the others are seen from.
+    """
 
     title: str
     signals: Annotated[list[str], Field(min_length=1)]
-    kind: Literal["time", "trajectory"] = "time"
+    kind: Literal["time", "angle", "trajectory", "activity"] = "time"
     y: str = ""
+    scale: Literal["linear", "log"] = "linear"
+    until: Finite | None = None
     file: str = ""
 
 
-class Config(_Table):
-    """A whole system."""
+class Repeat(_Table):
+    """A template of instances and connections, written for the copy ``{i}`` of 1 to ``count``."""
+
+    count: Annotated[int, Field(ge=1)]
+    neighbours: Literal["ring", "open"] = "ring"
+    instances: dict[str, dict[str, Any]] = {}
+    connections: list[str] = []
+
+
+class Repeats(_Table):
+    """The templates of a system by the name of their index."""
+
+    repeat: dict[Annotated[str, Field(pattern=INDEX_NAME)], Repeat] = {}
+
+
+class Config(Repeats):
+    """A whole system. ``instances`` and ``connections`` hold those of the templates too."""
 
     extends: str | None = None
     simulation: Simulation
@@ -109,6 +141,8 @@ def inconsistencies(config: Config) -> Iterator[tuple[tuple[str | int, ...], str
         what = f"{every:g} is not a multiple of the step {step:g}"
         yield ("record", "every"), what, f"nearest: {max(1, round(every / step)) * step:.12g}"
     for name, instance in config.instances.items():
+        if name in RESERVED:
+            yield ("instances", name), "is the name of something else in the results", "rename it"
         if (instance.component is None) == (instance.fmu is None):
             found = "neither" if instance.fmu is None else "both"
             yield ("instances", name), f"has {found} of component and fmu", "give one of them"
@@ -116,9 +150,11 @@ def inconsistencies(config: Config) -> Iterator[tuple[tuple[str | int, ...], str
             key = "structure" if instance.structure else "target"
             yield ("instances", name, key), "is a choice of building, but an fmu is built", ""
     for number, plot in enumerate(config.plots):
-        if plot.kind == "trajectory" and len(plot.signals) != 2:
-            what = f"a trajectory is signals[0] minus signals[1]; found {len(plot.signals)}"
-            yield ("plots", number, "signals"), what, "name two signals"
+        if plot.until is not None and plot.until <= start:
+            what = f"{plot.until:g} is not after start_time = {start:g}"
+            yield ("plots", number, "until"), what, ""
+        if plot.scale == "log" and plot.kind in ("trajectory", "activity"):
+            yield ("plots", number, "scale"), f"{plot.kind} has no logarithmic scale", ""
 
 
 def _whole(count: float) -> bool:

@@ -17,7 +17,8 @@ Kind = Literal["real", "integer", "boolean", "string", "enumeration"]
 class Port:
     """A variable of an FMU: a scalar or an array, with one value reference per element.
 
-    Elements are in row-major order. ``settable`` says whether a start value may be given.
+    All elements of an array of FMI 3.0 have the same reference. Elements are in row-major order.
+    ``settable`` says whether a start value may be given.
     """
 
     name: str
@@ -25,6 +26,8 @@ class Port:
     kind: Kind
     causality: str
     references: tuple[int, ...]
+    type: str = "Real"  # the word of the functions that get and set it
+    variability: str = "continuous"
     unit: Unit | None = None
     frame: str = ""
     description: str = ""
@@ -68,7 +71,13 @@ class FmuDescription:
     ports: Mapping[str, Port] = field(default_factory=dict)
     feedthrough: Mapping[int, frozenset[int]] = field(default_factory=dict)
     variable_step: bool = True
+    fixed_step: float | None = None  # s, of the FMU's own solver
     can_restore: bool = False
+    can_serialize: bool = False
+    can_interpolate: bool = False  # takes derivatives of its inputs
+    has_derivatives: bool = False  # gives derivatives of its outputs by its inputs
+    event_mode: bool = False
+    only_once: bool = False  # in a process
 
     def of(self, *causalities: str) -> dict[str, Port]:
         """The ports of some causalities, by name."""
@@ -83,6 +92,11 @@ class FmuDescription:
     def outputs(self) -> dict[str, Port]:
         """Output ports by name."""
         return self.of("output")
+
+    @property
+    def version_3(self) -> bool:
+        """Whether this is FMI 3: array variables, many types, event mode."""
+        return self.version.startswith("3.")
 
     def depends(self, output: Port, port: Port) -> bool:
         """Whether any element of an output depends at once on any element of an input."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 
@@ -69,6 +69,25 @@ class RunError(Exception):
     def __str__(self) -> str:
         head = f"{self.instance} at t = {self.time:.10g} s: {self.action} ended with {self.status}"
         return f"{head}: {self.message}" if self.message else head
+
+
+class LoopError(RunError):
+    """An algebraic loop was not solved: ``residuals`` by the names of the inputs in the loop."""
+
+    def __init__(
+        self, instances: Sequence[str], time: float, what: str, residuals: Mapping[str, float]
+    ) -> None:
+        super().__init__(", ".join(instances), time, "the algebraic loop", what)
+        self.residuals = dict(residuals)
+
+    def __str__(self) -> str:
+        head = f"{self.instance} at t = {self.time:.10g} s: {self.action} {self.status}"
+        parts = (f"{name}: {residual:.3g}" for name, residual in self.residuals.items())
+        found = f"; residuals {', '.join(parts)}" if self.residuals else ""
+        return (
+            f"{head}{found}; put an FMU with a state into the loop, or let one connection be a "
+            "step late: simulation.delay"
+        )
 
 
 def nearest(name: str, valid: Iterable[str], kind: str = "") -> str:

@@ -38,11 +38,17 @@ class Node:
 
 @dataclass(frozen=True)
 class End:
-    """Elements of a port of an instance, counted from 0 in row-major order."""
+    """Elements of a port of an instance, counted from 0 in row-major order.
+
+    ``index`` is what stands in brackets, ``""`` for the whole port: ``1,2``, row ``1``, column
+    ``:,1``. ``shape`` is that of the elements.
+    """
 
     instance: str
     port: Port
     elements: tuple[int, ...]
+    shape: tuple[int, ...] = ()
+    index: str = ""
 
     @property
     def whole(self) -> bool:
@@ -50,8 +56,7 @@ class End:
         return len(self.elements) == self.port.size
 
     def __str__(self) -> str:
-        name = self.port.name if self.whole else self.port.label(self.elements[0])
-        return f"{self.instance}.{name}"
+        return f"{self.instance}.{self.port.name}" + (f"[{self.index}]" if self.index else "")
 
 
 @dataclass(frozen=True)

@@ -1,26 +1,38 @@
-"""Reads a config from TOML: base files, merging, command-line values, and all problems at once."""
+"""A config from TOML: templates repeated, values checked, and all problems at once."""
 
 from __future__ import annotations
 
 import copy
-import os
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from . import toml_text
-from .config import CONNECTION, Config, Instance, Plot, Record, Simulation, inconsistencies
+from . import merging, toml_text
+from .config import (
+    Config,
+    Instance,
+    Plot,
+    Record,
+    Repeat,
+    Repeats,
+    Simulation,
+    inconsistencies,
+)
 from .errors import ConfigError, Problem, nearest
+from .repeat import Origins, collapse, expand
 
+Texts = Sequence[tuple[str, str]]  # file and text, the most derived file first
+Key = tuple[str | int, ...]
+M = TypeVar("M", bound=BaseModel)
 TABLES: Mapping[str, type[BaseModel]] = {
     "simulation": Simulation,
     "instances": Instance,
     "record": Record,
     "plots": Plot,
+    "repeat": Repeat,
 }
 STOPGAPS = {  # stand in for what is missing or wrong while the rest is checked
     "simulation": {"stop_time": 1.0, "step": 1.0},
@@ -28,6 +40,7 @@ STOPGAPS = {  # stand in for what is missing or wrong while the rest is checked
     "step": 1.0,
     "title": "",
     "signals": ["*"],
+    "count": 1,
 }
 
 
@@ -38,56 +51,89 @@ class Loaded:
     config: Config
     folder: Path
     data: Mapping[str, Any]
-    texts: tuple[tuple[str, str], ...] = ()  # file and text, the most derived file first
+    texts: Texts = ()
+    origins: Origins = field(default_factory=dict)
 
     @property
     def text(self) -> str:
-        """The merged config as TOML."""
+        """The merged config as TOML, templates as templates."""
         return toml_text.dump(self.data)
 
     def place(self, problem: Problem, path: Sequence[str | int] = ()) -> Problem:
         """A problem with the line of the file that says it, as far as it can be found."""
-        return _place(problem, path, self.texts)
+        return _place(problem, path, self.texts, self.origins)
 
 
-@dataclass
-class _Merged:
-    data: dict[str, Any]
-    texts: list[tuple[str, str]] = field(default_factory=list)
-
-
-def load(path: Path) -> tuple[Loaded, list[Problem]]:
+def load(
+    path: Path, overrides: Mapping[str, Any] | None = None
+) -> tuple[Loaded, list[Problem]]:
     """Read a config, and every problem of its form; what is wrong is left out of it.
 
+    ``overrides``: ``simulation.step``, ``record.every`` or the count ``repeat.i`` -> value.
     Raises ConfigError if the file cannot be read, or so much is wrong that nothing is left.
     """
-    merged = _read(path, seen=())
-    return check(merged.data, path.parent, tuple(merged.texts))
+    merged = merging.read(path)
+    data, problems = _overridden(merged.data, overrides or {})
+    loaded, found = check(data, path.parent, tuple(merged.texts))
+    return loaded, problems + found
 
 
 def check(
-    data: Mapping[str, Any], folder: Path, texts: tuple[tuple[str, str], ...] = ()
+    data: Mapping[str, Any], folder: Path, texts: Texts = ()
 ) -> tuple[Loaded, list[Problem]]:
     """Plain data as a config, and every problem of its form. Raises ConfigError as ``load``."""
+    template_data = {"repeat": data["repeat"]} if "repeat" in data else {}
+    templates, problems = _validated(Repeats, template_data, texts, {})
+    expansion = expand(data, templates, folder)
+    for path, what, remedy in expansion.problems:
+        problem = Problem(".".join(str(p) for p in path), what, remedy)
+        problems.append(_place(problem, path, texts, {}))
+    config, found = _validated(Config, expansion.data, texts, expansion.origins)
+    problems += found
+    loaded = Loaded(config, folder, data, texts, expansion.origins)
+    for path, what, remedy in inconsistencies(config):
+        problem = Problem(".".join(str(p) for p in path), what, remedy)
+        problems.append(loaded.place(problem, path))
+    return loaded, problems
+
+
+def _validated(
+    model: type[M], data: Mapping[str, Any], texts: Texts, origins: Origins
+) -> tuple[M, list[Problem]]:
+    """Data as a model, repaired until it is one; what had to be repaired."""
     rest = copy.deepcopy(dict(data))
-    problems: dict[tuple[str | int, ...], Problem] = {}
+    problems: dict[Key, Problem] = {}
     while True:
         try:
-            config = Config.model_validate(rest)
-            break
+            return model.model_validate(rest), list(problems.values())[::-1]
         except ValidationError as error:
             before = copy.deepcopy(rest)
             for found in reversed(error.errors(include_url=False)):
                 path = tuple(p for p in found["loc"] if p != "[key]")
-                problems.setdefault(path, _problem(dict(found), path, texts))
+                problem = _problem(dict(found), path)
+                problems.setdefault(path, _place(problem, path, texts, origins))
                 _repair(rest, path, missing=found["type"] == "missing")
             if rest == before:
-                raise ConfigError(list(problems.values())) from None
-    found_problems = list(problems.values())
-    for path, what, remedy in inconsistencies(config):
-        problem = Problem(".".join(str(p) for p in path), what, remedy)
-        found_problems.append(_place(problem, path, texts))
-    return Loaded(config, folder, data, texts), found_problems
+                raise ConfigError(collapse(problems.values())) from None
+
+
+def _overridden(
+    data: Mapping[str, Any], overrides: Mapping[str, Any]
+) -> tuple[dict[str, Any], list[Problem]]:
+    changed = copy.deepcopy(dict(data))
+    problems = []
+    for key, value in overrides.items():
+        table, _, name = key.partition(".")
+        if table == "repeat":
+            known = changed.get("repeat", {})
+            if name not in known:
+                remedy = nearest(name, known, "indices")
+                problems.append(Problem(f"--set {key}", f"nothing repeats over {name}", remedy))
+            elif isinstance(known[name], dict):
+                known[name]["count"] = value
+        elif isinstance(changed.setdefault(table, {}), dict):
+            changed[table][name] = value
+    return changed, problems
 
 
 def _repair(data: Any, path: tuple[str | int, ...], missing: bool) -> None:
@@ -101,80 +147,7 @@ def _repair(data: Any, path: tuple[str | int, ...], missing: bool) -> None:
         del data[last]
 
 
-def _read(path: Path, seen: tuple[Path, ...]) -> _Merged:
-    name = str(path)
-    if path.resolve() in seen:
-        raise ConfigError([Problem("extends", "a file extends itself", file=name)])
-    try:
-        text = path.read_text(encoding="utf-8")
-        data = tomllib.loads(text)
-    except FileNotFoundError:
-        remedy = nearest(path.name, [p.name for p in path.parent.glob("*.toml")], "in that folder")
-        raise ConfigError([Problem("config", f"there is no file {name}", remedy)]) from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise ConfigError([Problem("config", f"cannot be read: {error}", file=name)]) from None
-    except tomllib.TOMLDecodeError as error:
-        raise ConfigError([Problem("config", f"is not TOML: {error}", file=name)]) from None
-    base_name = data.get("extends")
-    if not isinstance(base_name, str):
-        return _Merged(data, [(name, text)])
-    base_path = path.parent / base_name
-    if not base_path.is_file():
-        where = Problem("extends", f"there is no file {base_path}")
-        raise ConfigError([_place(where, ["extends"], [(name, text)])])
-    base = _read(base_path, (*seen, path.resolve()))
-    _rebase(base.data, os.path.relpath(base_path.parent, path.parent))
-    del data["extends"]
-    return _Merged(_merge(base.data, data), [(name, text), *base.texts])
-
-
-def _rebase(data: dict[str, Any], folder: str) -> None:
-    """Write the base's relative paths as seen from the file that extends it."""
-    instances = data.get("instances")
-    for table in instances.values() if isinstance(instances, dict) else ():
-        if not isinstance(table, dict):
-            continue
-        for key in ("fmu", "component"):
-            named = table.get(key)
-            is_path = key == "fmu" or (isinstance(named, str) and ".py:" in named)
-            if isinstance(named, str) and is_path and not os.path.isabs(named):
-                table[key] = os.path.normpath(os.path.join(folder, named)).replace(os.sep, "/")
-
-
-def _merge(base: dict[str, Any], data: dict[str, Any]) -> dict[str, Any]:
-    merged = _overlay(base, data)
-    old, new = base.get("connections"), data.get("connections")
-    if isinstance(old, list) and isinstance(new, list):
-        driven = {d for c in new if (d := _destination(c))}
-        kept = [c for c in old if not _replaced(_destination(c), driven)]
-        merged["connections"] = kept + new
-    return merged
-
-
-def _overlay(base: dict[str, Any], data: dict[str, Any]) -> dict[str, Any]:
-    merged = dict(base)
-    for key, value in data.items():
-        old = merged.get(key)
-        both = isinstance(old, dict) and isinstance(value, dict)
-        merged[key] = _overlay(old, value) if both else value  # type: ignore[arg-type]
-    for one, other in (("component", "fmu"), ("fmu", "component")):
-        if one in data and other in base and other not in data:
-            del merged[other]  # an instance changes its origin
-    return merged
-
-
-def _destination(connection: Any) -> str:
-    match = CONNECTION.match(connection) if isinstance(connection, str) else None
-    return f"{match['destination']}.{match['input']}" if match else ""
-
-
-def _replaced(destination: str, driven: set[str]) -> bool:
-    return destination in driven or destination.partition("[")[0] in driven
-
-
-def _problem(
-    error: dict[str, Any], path: tuple[str | int, ...], texts: Sequence[tuple[str, str]]
-) -> Problem:
+def _problem(error: dict[str, Any], path: Key) -> Problem:
     where = ".".join(str(p) for p in path) or "config"
     kind, context = error["type"], error.get("ctx", {})
     remedy = ""
@@ -188,12 +161,12 @@ def _problem(
         remedy = f"supported: {context['expected']}"
     elif kind == "string_pattern_mismatch":
         what = f"{error['input']!r} is not a name"
-        remedy = "use letters, digits, _ and -"
+        remedy = "use letters, digits and _" + ("" if path[0] == "repeat" else " or -")
     else:
         what = error["msg"][0].lower() + error["msg"][1:]
         if not isinstance(error["input"], dict | list):
             what += f", found {error['input']!r}"
-    return _place(Problem(where, what, remedy), path, texts)
+    return Problem(where, what, remedy)
 
 
 def _keys_at(path: Sequence[str | int]) -> list[str]:
@@ -202,19 +175,22 @@ def _keys_at(path: Sequence[str | int]) -> list[str]:
 
 
 def _place(
-    problem: Problem, path: Sequence[str | int], texts: Sequence[tuple[str, str]]
+    problem: Problem, path: Sequence[str | int], texts: Texts, origins: Origins
 ) -> Problem:
-    """Where a key (or, for a connection, its text) stands; the most derived file first."""
+    """Where a key (or, for a connection, its text) stands; the most derived file first.
+
+    What a template repeats stands in the template, but a table of its own comes first.
+    """
+    paths = [tuple(path)]
+    if (template := origins.get(tuple(path[:2]))) is not None:
+        paths.append((*template, *path[2:]))
     found: list[tuple[int, str, int]] = []
-    for name, text in texts:
-        if len(path) == 2 and path[0] == "connections" and isinstance(path[1], str):
-            line = toml_text.line_with(text, f'"{path[1]}"')
-            place = (line, 2) if line is not None else None
-        else:
-            place = toml_text.find(text, path)
-        if place is not None:
-            found.append((place[1], name, place[0]))
+    for keys in paths:
+        for name, text in texts:
+            place = toml_text.find(text, keys)
+            if place is not None:
+                found.append((len(keys) - place[1], name, place[0]))
     if not found:
         return problem.at(texts[0][0], None) if texts else problem
-    best = max(found, key=lambda f: f[0])
+    best = min(found, key=lambda f: f[0])
     return problem.at(best[1], best[2])

@@ -7,10 +7,14 @@ from typing import IO
 
 OK, WARNING, DISCARD, ERROR, FATAL = range(5)
 STATUS = ("OK", "warning", "discard", "error", "fatal", "pending")
+ENDED, STUCK = 100, 101  # of our own
+OUR_OWN = {ENDED: "a request to end the simulation", STUCK: "events without end"}
 
 
 def status_name(status: int) -> str:
-    """The name of an FMI 2.0 status."""
+    """The name of a status of FMI 2.0 or 3.0, or of our own."""
+    if status in OUR_OWN:
+        return OUR_OWN[status]
     return STATUS[status] if 0 <= status < len(STATUS) else f"the unknown status {status}"
 
 

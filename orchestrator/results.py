@@ -7,8 +7,8 @@ process dies. The same config gives a bit-identical file: it holds no time of da
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -50,13 +50,15 @@ class ResultsWriter:
         self.path = folder / FILE
         self.path.unlink(missing_ok=True)
         self.samples = 0
-        self.columns = _columns(signals)
+        self.columns = columns_of(signals)
         self._chunk = max(1, min(CHUNK, expected))
         self._file = h5py.File(self.path, "w", libver="earliest", track_order=True)
-        self._file.attrs["config"] = config
+        self._file["config"] = config  # an attribute holds 64 kB at most
         self._file.attrs["sightline_version"] = _version()
         self._file.attrs["complete"] = False
         self._time = self._dataset("time", (), "f8", {"unit": "s", "description": "time"})
+        for instance in dict.fromkeys(c.signal.instance for c in self.columns):
+            self._file.create_group(instance, track_order=True)
         self._datasets = [self._of(graph, c.signal) for c in self.columns]
         self._file.flush()
 
@@ -138,20 +140,61 @@ class Results:
     def __getitem__(self, name: str) -> Array:
         return self.series[name].values
 
+    def unit(self, name: str) -> str:
+        """The unit of a signal."""
+        return self.series[name].unit
+
+    def until(self, time: float) -> Results:
+        """The results up to a time."""
+        rows = int(np.searchsorted(self.time, time, side="right"))
+        series = {n: replace(s, values=s.values[:rows]) for n, s in self.series.items()}
+        return replace(self, time=self.time[:rows], series=series)
+
 
 def read(path: Path) -> Results:
     """Read a results file, complete or not. Raises OSError if it is none."""
     with h5py.File(path, "r") as file:
         found: dict[str, Series] = {}
-
-        def visit(name: str, item: Any) -> None:
-            if isinstance(item, h5py.Dataset) and name != "time":
-                attributes = (str(item.attrs[a]) for a in ("unit", "frame", "description"))
-                found[name.replace("/", ".", 1)] = Series(item[()], *attributes)
-
-        file.visititems(visit)
+        for instance in (n for n in file if isinstance(file[n], h5py.Group)):
+            for port, data in _datasets(file[instance], ""):
+                attributes = (str(data.attrs[a]) for a in ("unit", "frame", "description"))
+                found[f"{instance}.{port}"] = Series(data[()], *attributes)
         complete = bool(file.attrs["complete"])
-        return Results(file["time"][()], found, complete, str(file.attrs["config"]))
+        return Results(file["time"][()], found, complete, file["config"].asstr()[()])
+
+
+def _datasets(group: Any, prefix: str) -> Iterator[tuple[str, Any]]:
+    """All datasets of a group; a foreign FMU's variable may have slashes in its name."""
+    for name, item in group.items():
+        if isinstance(item, h5py.Dataset):
+            yield prefix + name, item
+        else:
+            yield from _datasets(item, f"{prefix}{name}/")
+
+
+def holding(paths: Iterable[Path], rows: int) -> Path | None:
+    """The first of some files that holds so many rows; None if none does."""
+    for path in paths:
+        if path.is_file():
+            with h5py.File(path, "r") as file:
+                if len(file["time"]) >= rows:
+                    return path
+    return None
+
+
+def copy_rows(path: Path, rows: int, writer: ResultsWriter) -> None:
+    """Write the first rows of another file with the same signals. Raises OSError."""
+    with h5py.File(path, "r") as file:
+        if len(file["time"]) < rows:
+            raise OSError(f"{path} has {len(file['time'])} rows, not {rows}")
+        for first in range(0, rows, CHUNK):
+            part = slice(first, min(first + CHUNK, rows))
+            times = file["time"][part]
+            values = np.empty((len(times), writer.columns[-1].last if writer.columns else 0))
+            for column in writer.columns:
+                data = file[column.signal.dataset][part]
+                values[:, column.first:column.last] = data.reshape(len(times), -1)
+            writer.append(times, values)
 
 
 def write_csv(results: Path, signals: Sequence[Signal]) -> Path:
@@ -177,7 +220,7 @@ def _rows(file: Any, signals: Sequence[Signal], part: slice) -> Iterator[list[fl
     return (list(row) for row in zip(*columns, strict=True))
 
 
-def _columns(signals: Sequence[Signal]) -> list[Column]:
+def columns_of(signals: Sequence[Signal]) -> list[Column]:
     ends = np.cumsum([0, *(len(s.elements) for s in signals)])
     return [
         Column(s, int(a), int(b)) for s, a, b in zip(signals, ends[:-1], ends[1:], strict=True)

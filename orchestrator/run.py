@@ -3,29 +3,25 @@
 from __future__ import annotations
 
 import signal
-import sys
-import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from . import archive
+from .adaptive import Control, grid
 from .config import Simulation
-from .fmi2 import Slave
 from .graph import SystemGraph
+from .keeper import Keeper
 from .log import RunLog
-from .plan import Array, Plan
+from .plan import Plan
+from .recorder import Recorder
 from .results import ResultsWriter
-from .stepper import PythonStepper
+from .sampling import sample_period
+from .starting import start
+from .stepper import Stepper
 
-ROWS = 1000  # rows in memory before they are written
-FLUSH = 1.0  # s between writes
 GLANCE = 0.1  # s between looks at progress and interrupts
 
 
@@ -39,11 +35,12 @@ class Interrupted(Exception):
 
 @dataclass(frozen=True)
 class Statistics:
-    """What a finished run did."""
+    """What a finished run did. ``rejected`` counts steps that error control took again."""
 
     steps: int
     seconds: float
     rested: bool
+    rejected: int = 0
 
 
 def run(
@@ -54,38 +51,83 @@ def run(
     writer: ResultsWriter,
     log: RunLog,
     show: Callable[[float], None] = lambda _: None,
+    keeper: Keeper | None = None,
 ) -> Statistics:
-    """Run from start to stop time.
+    """Run from start to stop time, or with a ``keeper`` from where it resumes.
 
     Raises RunError if an FMU fails, FmuError if an archive is damaged, Interrupted on Ctrl-C; what
-    was recorded until then is written.
+    was recorded until then is written. A stride of 0 records every step of the adaptive algorithm.
     """
     with ExitStack() as stack:
-        slaves = _slaves(graph, log, stack)
-        for node, slave in zip(graph.nodes, slaves, strict=True):
-            slave.initialise(node.settings, simulation.start_time, simulation.stop_time)
-        stepper = PythonStepper(plan, slaves, simulation.start_time, simulation.step)
-        rested = stepper.initialise()
-        recorder = _Recorder(stepper, writer, stride)
-        recorder.first()
+        stepper, rested = start(graph, plan, simulation, log, stack)
+        recorder = Recorder(stepper, writer, stride)
+        keeper = keeper or Keeper()
+        number = keeper.begin(stepper, recorder)
         stopped = stack.enter_context(_interrupts())
         began = time.perf_counter()
-        _loop(stepper, recorder, simulation.steps, stopped, show)
+        steps, rejected = simulation.steps, 0
+        if simulation.algorithm == "adaptive":
+            control = Control(stepper, simulation.tolerance, plan.smooth)
+            instants = _instants(graph, plan, simulation, stride)
+            keeper.control = control
+            keeper.put_control()
+            instants = (i for i in instants if i[0] > control.past[0])
+            _adapt(control, recorder, instants, stopped, show, keeper)
+            steps, rejected = control.accepted, control.rejected
+        else:
+            _loop(stepper, recorder, number, steps, stopped, show, keeper)
         writer.complete()
-        return Statistics(simulation.steps, time.perf_counter() - began, rested)
+        return Statistics(steps, time.perf_counter() - began, rested, rejected)
+
+
+def _instants(
+    graph: SystemGraph, plan: Plan, simulation: Simulation, stride: int
+) -> Iterator[tuple[float, bool]]:
+    """Instants that steps must not pass, and whether they are recorded."""
+    step = simulation.step
+    periods = {sample_period(node) for node in graph.nodes} - {0.0}
+    periods |= {u.every * step for u in plan.units if u.every > 1}
+    records = [stride * step] if stride else []
+    return grid(simulation.start_time, simulation.stop_time, records, sorted(periods))
+
+
+def _adapt(
+    control: Control,
+    recorder: Recorder,
+    instants: Iterator[tuple[float, bool]],
+    stopped: threading.Event,
+    show: Callable[[float], None],
+    keeper: Keeper,
+) -> None:
+    """Step from instant to instant, recording those of the records, or every step."""
+    try:
+        for instant, recorded in instants:
+            for reached in control.reach(instant):
+                if recorder.stride == 0 or (recorded and reached == instant):
+                    recorder.add(reached)
+                keeper.reached(control.accepted, reached)
+                if stopped.is_set():
+                    keeper.keep(control.accepted)
+                    raise Interrupted(reached)
+                show(reached)
+    finally:
+        recorder.flush()
 
 
 def _loop(
-    stepper: PythonStepper,
-    recorder: _Recorder,
+    stepper: Stepper,
+    recorder: Recorder,
+    number: int,
     steps: int,
     stopped: threading.Event,
     show: Callable[[float], None],
+    keeper: Keeper,
 ) -> None:
     """Step in parts that last about as long as a glance, so that looking costs nothing."""
-    number, part = 0, 1
+    part = 1
     while number < steps:
-        last = min(number + part, number + recorder.room(number), steps)
+        room = min(recorder.room(number), keeper.room(number))
+        last = min(number + part, number + room, steps)
         began = time.perf_counter()
         try:
             recorder.advance(number, last)
@@ -95,83 +137,13 @@ def _loop(
         spent = time.perf_counter() - began
         part = max(1, min(2 * part, int((last - number) * GLANCE / max(spent, 1e-9))))
         number = last
+        keeper.reached(number, stepper.time(number))
         if stopped.is_set() and number < steps:
             recorder.flush()
+            keeper.keep(number)
             raise Interrupted(stepper.time(number))
         show(stepper.time(number))
     recorder.flush()
-
-
-class _Recorder:
-    """Keeps rows until they are written."""
-
-    def __init__(self, stepper: PythonStepper, writer: ResultsWriter, stride: int) -> None:
-        self.stepper = stepper
-        self.writer = writer
-        self.stride = stride
-        self.rows: Array = np.zeros((ROWS, len(stepper.plan.recorded)))
-        self.times: Array = np.zeros(ROWS)
-        self.count = 0
-        self.written = time.perf_counter()
-
-    def first(self) -> None:
-        """Record the start and write it, so that even a run that fails at once leaves a row."""
-        self.stepper.values.take(self.stepper.plan.recorded, out=self.rows[0], mode="clip")
-        self.times[0] = self.stepper.time(0)
-        self.count = 1
-        self.flush()
-
-    def room(self, number: int) -> int:
-        """How many steps may be taken from here before rows must be written."""
-        return (ROWS - self.count) * self.stride - number % self.stride
-
-    def advance(self, first: int, last: int) -> None:
-        """Take steps; write if it is time to."""
-        try:
-            self.stepper.advance(first, last, self.stride, self.rows[self.count:])
-        finally:
-            row = first // self.stride + 1
-            for i in range(self.stepper.rows):
-                self.times[self.count + i] = self.stepper.time((row + i) * self.stride)
-            self.count += self.stepper.rows
-        if self.count == ROWS or time.perf_counter() - self.written > FLUSH:
-            self.flush()
-
-    def flush(self) -> None:
-        """Write what is in memory."""
-        self.writer.append(self.times[:self.count], self.rows[:self.count])
-        self.count = 0
-        self.written = time.perf_counter()
-
-
-def _slaves(graph: SystemGraph, log: RunLog, stack: ExitStack) -> list[Slave]:
-    """All FMUs loaded, each archive unpacked once; the stack frees and removes them."""
-    root = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="sightline-")))
-    stack.enter_context(_python_as_it_was(root))
-    stack.callback(log.close)
-    folders: dict[Path, Path] = {}
-    slaves = []
-    for node in graph.nodes:
-        if node.fmu.path not in folders:
-            folders[node.fmu.path] = root / str(len(folders))
-            archive.extract(node.fmu, folders[node.fmu.path])
-        slave = Slave(node, folders[node.fmu.path], log)
-        stack.callback(slave.free)
-        slaves.append(slave)
-    return slaves
-
-
-@contextmanager
-def _python_as_it_was(root: Path) -> Iterator[None]:
-    """Python FMUs run in this interpreter and import from where they were unpacked: undo that."""
-    path = list(sys.path)
-    try:
-        yield
-    finally:
-        sys.path[:] = path
-        for name, module in list(sys.modules.items()):
-            if str(getattr(module, "__file__", None) or "").startswith(str(root)):
-                del sys.modules[name]
 
 
 @contextmanager

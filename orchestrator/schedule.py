@@ -3,19 +3,36 @@
 Gauss-Seidel: an FMU whose outputs depend at once on an input steps after the FMU that drives
 this input, so that a chain sensor -> controller -> allocation holds values of one instant. Other
 connections carry the value of the same instant if their source happens to step earlier, else that
-of the instant before. Jacobi: all FMUs step on the values of the instant before.
+of the instant before. FMUs that no order of whole FMUs serves form a cluster: they all step, then
+values pass between them variable by variable; if the variables feed each other in a circle, the
+stepper solves for values that agree. Jacobi: all FMUs step on the values of the instant before.
 """
 
 from __future__ import annotations
 
 import heapq
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from .errors import ConfigError, Problem
+from .cycles import has_cycle, strong_components
+from .errors import ConfigError, Problem, nearest
 from .graph import Connection, SystemGraph
 
 Edges = Mapping[int, frozenset[int]]
+Element = tuple[int, int]  # a node and a value reference of it
+
+
+@dataclass(frozen=True)
+class Cluster:
+    """FMUs that step together: positions of nodes in the graph, one for most clusters.
+
+    ``cyclic``: an algebraic loop, to be solved. ``updates``: else the nodes whose inputs are to be
+    set again, in this order, after all have stepped.
+    """
+
+    nodes: tuple[int, ...]
+    cyclic: bool = False
+    updates: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -25,24 +42,39 @@ class Schedule:
     order: tuple[int, ...]
     delayed: tuple[Connection, ...]
     jacobi: bool = False
+    clusters: tuple[Cluster, ...] = ()
 
 
-def schedule(graph: SystemGraph, algorithm: str = "gauss-seidel") -> Schedule:
-    """Order a system's FMUs. Raises ConfigError for an algebraic loop (Gauss-Seidel)."""
+def schedule(
+    graph: SystemGraph, algorithm: str = "gauss-seidel", delay: Collection[str] = ()
+) -> Schedule:
+    """Order a system's FMUs; ``delay`` names connections that may be one step late.
+
+    Raises ConfigError if such a name is no connection's.
+    """
+    _check_names(graph, delay)
+    acting = [c for c in graph.connections if str(c) not in delay]
+    clusters = _clusters(graph, acting)
     jacobi = algorithm == "jacobi"
-    order = _order(graph)
-    if order is None and not jacobi:
-        raise ConfigError([_loop_problem(graph)])
-    if order is None:
-        order = list(range(len(graph.nodes)))
-    place = {node: i for i, node in enumerate(order)}
+    if jacobi and any(len(c.nodes) > 1 or c.cyclic for c in clusters):
+        clusters = [Cluster((i,)) for i in range(len(graph.nodes))]
+    place = {node: i for i, cluster in enumerate(clusters) for node in cluster.nodes}
     index = graph.index
-    delayed = tuple(
-        c
-        for c in graph.connections
-        if jacobi or place[index[c.source.instance]] >= place[index[c.destination.instance]]
-    )
-    return Schedule(tuple(order), delayed, jacobi)
+    delayed = tuple(c for c in graph.connections if jacobi or _late(c, clusters, place, index))
+    order = tuple(node for cluster in clusters for node in cluster.nodes)
+    return Schedule(order, delayed, jacobi, tuple(clusters))
+
+
+def _late(
+    c: Connection, clusters: Sequence[Cluster], place: Mapping[int, int], index: Mapping[str, int]
+) -> bool:
+    """Whether a connection carries the value of the instant before."""
+    source, destination = (index[end.instance] for end in (c.source, c.destination))
+    within = place[source] == place[destination]
+    cluster = clusters[place[source]]
+    if within and (cluster.cyclic or len(cluster.nodes) > 1):
+        return False
+    return place[source] >= place[destination]
 
 
 def feeds_through(graph: SystemGraph, connection: Connection, to_connected: bool) -> bool:
@@ -57,98 +89,108 @@ def feeds_through(graph: SystemGraph, connection: Connection, to_connected: bool
     return any(acting & fmu.feedthrough.get(o, frozenset()) for o in outputs)
 
 
-def _order(graph: SystemGraph) -> list[int] | None:
-    """The order that honours all feedthrough; if there is none, that to connected outputs."""
-    for to_connected in (False, True):
-        order = _sorted(len(graph.nodes), _edges(graph, to_connected))
-        if order is not None:
-            return order
-    return None
+def _check_names(graph: SystemGraph, delay: Collection[str]) -> None:
+    names = {str(c) for c in graph.connections}
+    problems = [
+        Problem("simulation.delay", f'"{name}" is no connection', nearest(name, names))
+        for name in delay
+        if name not in names
+    ]
+    if problems:
+        raise ConfigError(problems)
 
 
-def _edges(graph: SystemGraph, to_connected: bool) -> Edges:
+def _clusters(graph: SystemGraph, acting: Sequence[Connection]) -> list[Cluster]:
+    """Clusters that honour all feedthrough; if a loop grows by it, that to connected ones."""
+    edges = _edges(graph, acting, to_connected=False)
+    clusters = _ordered(graph, acting, edges)
+    if any(c.cyclic for c in clusters):
+        fewer = _edges(graph, acting, to_connected=True)
+        smaller = _ordered(graph, acting, fewer)
+        if {frozenset(c.nodes) for c in clusters} != {frozenset(c.nodes) for c in smaller}:
+            return smaller
+    return clusters
+
+
+def _ordered(graph: SystemGraph, acting: Sequence[Connection], edges: Edges) -> list[Cluster]:
+    parts = _sorted(strong_components(edges), edges)
+    return [_cluster(graph, acting, sorted(part), edges) for part in parts]
+
+
+def _edges(graph: SystemGraph, acting: Iterable[Connection], to_connected: bool) -> Edges:
     """For each node the nodes that must step after it."""
     index = graph.index
     after: dict[int, set[int]] = {i: set() for i in range(len(graph.nodes))}
-    for c in graph.connections:
+    for c in acting:
         if feeds_through(graph, c, to_connected):
             after[index[c.source.instance]].add(index[c.destination.instance])
     return {k: frozenset(v) for k, v in after.items()}
 
 
-def _sorted(count: int, after: Edges) -> list[int] | None:
-    """Topological order, the config's order among equals; None if there is a cycle."""
-    waiting = [0] * count
-    for followers in after.values():
-        for node in followers:
-            waiting[node] += 1
-    ready = [i for i in range(count) if not waiting[i]]
+def _sorted(parts: Sequence[Sequence[int]], after: Edges) -> list[Sequence[int]]:
+    """Topological order of the parts, the config's order among equals."""
+    part_of = {node: i for i, part in enumerate(parts) for node in part}
+    followers: list[set[int]] = [set() for _ in parts]
+    for node, nodes in after.items():
+        followers[part_of[node]] |= {part_of[n] for n in nodes} - {part_of[node]}
+    waiting = [0] * len(parts)
+    for some in followers:
+        for part in some:
+            waiting[part] += 1
+    ready = [(min(parts[i]), i) for i in range(len(parts)) if not waiting[i]]
+    heapq.heapify(ready)
     order = []
     while ready:
-        node = heapq.heappop(ready)
-        order.append(node)
-        for follower in after[node]:
-            waiting[follower] -= 1
-            if not waiting[follower]:
-                heapq.heappush(ready, follower)
-    return order if len(order) == count else None
+        _, i = heapq.heappop(ready)
+        order.append(parts[i])
+        for part in followers[i]:
+            waiting[part] -= 1
+            if not waiting[part]:
+                heapq.heappush(ready, (min(parts[part]), part))
+    return order
 
 
-def _loop_problem(graph: SystemGraph) -> Problem:
-    loop = _cycle(_port_edges(graph))
-    if loop is not None:
-        return Problem(
-            "connections",
-            f"algebraic loop: {' -> '.join(loop)}",
-            'let one of these FMUs declare no direct feedthrough, put one with a state into the '
-            'loop, or set algorithm = "jacobi", which delays every connection by one step',
-        )
-    edges = _edges(graph, to_connected=True)
-    names = _cycle({graph.nodes[k].name: [graph.nodes[v].name for v in vs]
-                    for k, vs in edges.items()})
-    return Problem(
-        "connections",
-        f"no order of whole FMUs serves {' -> '.join(names or ())}: each feeds the other at once",
-        'split one of these FMUs, or set algorithm = "jacobi", which delays every connection by '
-        "one step",
-    )
+def _cluster(
+    graph: SystemGraph, acting: Iterable[Connection], nodes: Sequence[int], after: Edges
+) -> Cluster:
+    if len(nodes) == 1 and nodes[0] not in after[nodes[0]]:
+        return Cluster(tuple(nodes))
+    edges, inputs = _element_edges(graph, acting, nodes)
+    if has_cycle(edges):
+        return Cluster(tuple(nodes), cyclic=True)
+    return Cluster(tuple(nodes), updates=_updates(edges, inputs))
 
 
-def _port_edges(graph: SystemGraph) -> Mapping[str, list[str]]:
-    """What acts at once on what, by port: connections, and feedthrough inside FMUs."""
-    edges: dict[str, list[str]] = {}
-    for c in graph.connections:
-        source = f"{c.source.instance}.{c.source.port.name}"
-        destination = f"{c.destination.instance}.{c.destination.port.name}"
-        edges.setdefault(source, []).append(destination)
-    for node in graph.nodes:
-        for port in node.fmu.inputs.values():
-            edges.setdefault(f"{node.name}.{port.name}", []).extend(
-                f"{node.name}.{o.name}"
-                for o in node.fmu.outputs.values()
-                if node.fmu.depends(o, port)
-            )
-    return edges
+def _element_edges(
+    graph: SystemGraph, acting: Iterable[Connection], nodes: Sequence[int]
+) -> tuple[dict[Element, set[Element]], set[Element]]:
+    """What acts at once on what within a cluster, and the inputs that are driven within it."""
+    edges: dict[Element, set[Element]] = {}
+    inputs: set[Element] = set()
+    within = set(nodes)
+    for c in acting:
+        source, destination = (graph.index[end.instance] for end in (c.source, c.destination))
+        if source in within and destination in within:
+            for out, into in zip(c.source.elements, c.destination.elements, strict=True):
+                element = destination, c.destination.port.references[into]
+                inputs.add(element)
+                edges.setdefault((source, c.source.port.references[out]), set()).add(element)
+    for node in nodes:
+        for out, acting_inputs in graph.nodes[node].fmu.feedthrough.items():
+            for into in acting_inputs:
+                if (node, into) in inputs:
+                    edges.setdefault((node, into), set()).add((node, out))
+    return edges, inputs
 
 
-def _cycle(edges: Mapping[str, Iterable[str]]) -> list[str] | None:
-    """Some cycle, closed by its first name; depth first without recursion."""
-    done: set[str] = set()
-    for root in edges:
-        if root in done:
-            continue
-        path, on_path = [root], {root}
-        branches = [iter(edges.get(root, ()))]
-        while branches:
-            follower = next(branches[-1], None)
-            if follower is None:
-                done.add(path[-1])
-                on_path.discard(path.pop())
-                branches.pop()
-            elif follower in on_path:
-                return [*path[path.index(follower):], follower]
-            elif follower not in done:
-                path.append(follower)
-                on_path.add(follower)
-                branches.append(iter(edges.get(follower, ())))
-    return None
+def _updates(edges: Mapping[Element, set[Element]], inputs: set[Element]) -> tuple[int, ...]:
+    """The nodes to set again, level by level: an input after all that its source depends on."""
+    level: dict[Element, int] = {}
+    for part in reversed(strong_components(edges)):
+        element = part[0]
+        depth = level.setdefault(element, 0)
+        for follower in edges.get(element, ()):
+            step = 1 if follower in inputs else 0
+            level[follower] = max(level.get(follower, 0), depth + step)
+    nodes = [node for _, node in sorted({(level[element], element[0]) for element in inputs})]
+    return tuple(n for i, n in enumerate(nodes) if i == 0 or n != nodes[i - 1])

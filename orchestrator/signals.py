@@ -11,6 +11,11 @@ from .errors import Problem, nearest
 from .graph import SystemGraph
 from .loading import Loaded
 
+COMPARED: Mapping[str, tuple[tuple[int, ...], ...]] = {  # shapes that kinds of plots compare
+    "trajectory": ((2,), (3,)),
+    "angle": ((4,),),
+}
+
 
 @dataclass(frozen=True)
 class Signal:
@@ -76,8 +81,9 @@ def select(loaded: Loaded, graph: SystemGraph) -> tuple[Selection, list[Problem]
     recorded = chosen(config.record.signals, ("record", "signals"))
     drawn = [chosen(p.signals, ("plots", i, "signals")) for i, p in enumerate(config.plots)]
     for number, plot in enumerate(config.plots):
-        if plot.kind == "trajectory" and not problems:
-            problems += _trajectory_problems(loaded, number, drawn[number])
+        shapes = COMPARED.get(plot.kind)
+        if shapes is not None and not problems:
+            problems += _compared_problems(loaded, number, drawn[number], shapes)
     ports = _whole_ports([*recorded, *(s for plot in drawn for s in plot)], graph.signals)
     return Selection(tuple(ports), tuple(map(tuple, drawn))), problems
 
@@ -108,11 +114,15 @@ def _nothing(pattern: str, path: tuple[str | int, ...], graph: SystemGraph) -> P
     return Problem(where, what, nearest(pattern, graph.signals, "outputs"))
 
 
-def _trajectory_problems(loaded: Loaded, number: int, drawn: list[Signal]) -> list[Problem]:
+def _compared_problems(
+    loaded: Loaded, number: int, drawn: list[Signal], shapes: tuple[tuple[int, ...], ...]
+) -> list[Problem]:
     path = ("plots", number, "signals")
-    shapes = [s.port.shape for s in drawn]
-    if len(drawn) == 2 and shapes[0] == shapes[1] and shapes[0] in ((2,), (3,)):
+    found = {s.port.shape for s in drawn}
+    if len(drawn) > 1 and len(found) == 1 and found <= set(shapes):
         return []
-    what = f"a trajectory needs two positions of 2 or 3 elements, found {len(drawn)} signals: "
+    kind = loaded.config.plots[number].kind
+    sizes = " or ".join(str(shape[0]) for shape in shapes)
+    what = f"{kind} needs two or more signals of {sizes} elements, found "
     what += ", ".join(f"{s.name} {list(s.port.shape)}" for s in drawn)
     return [loaded.place(Problem(f"plots.{number}.signals", what), path)]

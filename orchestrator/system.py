@@ -1,32 +1,43 @@
 """A system from its config to its results: load, build, check, schedule, run.
 
 >>> system = System.from_toml("system.toml")            # raises ConfigError with all problems
->>> results = system.run("out")                         # raises RunError
+>>> results = system.simulate()                         # raises RunError
 >>> results["craft1.position"]                          # array over results.time
+>>> results.unit("craft1.position")
+'m'
 """
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from . import archive
 from . import results as results_file
 from . import run as runner
-from .description import FmuDescription
-from .errors import ConfigError, FmuError, Problem, nearest
+from . import toml_text
+from .assembly import Say, fmus_of, override
+from .errors import ConfigError, Problem
 from .graph import SystemGraph
+from .keeper import Keeper, resumed
 from .loading import Loaded, check, load
 from .log import RunLog
-from .plan import Plan, compile_plan
+from .plan import Plan
+from .planning import compile_plan
+from .rates import DEGREES, rates_of
+from .repeat import collapse
+from .results import Results
 from .schedule import Schedule, schedule
+from .session import Parts, Session
 from .signals import Selection, select
-from .values import names_of, table_of
+from .snapshot import identity, require_serializable
 from .wiring import wire
 
-Say = Callable[[str], None]
+SETTABLE = ("simulation", "record", "repeat")  # tables of the config besides instances
+CHECKPOINT = "checkpoint.h5"
+BEFORE = "results-before.h5"  # the results of a run that is resumed in the same folder
 
 
 @dataclass(frozen=True)
@@ -46,102 +57,129 @@ class System:
         overrides: Mapping[str, Any] | None = None,
         say: Say = lambda _: None,
     ) -> System:
-        """Read, build and check a system. ``overrides``: ``instance.name`` -> value.
+        """Read, build and check a system.
+
+        ``overrides``: ``instance.name``, ``simulation.step`` or the count ``repeat.i`` -> value.
+        Raises ConfigError with every problem that can be found.
+        """
+        asked = overrides or {}
+        tables = {k: v for k, v in asked.items() if k.partition(".")[0] in SETTABLE}
+        loaded, problems = load(Path(path), tables)
+        rest = {k: v for k, v in asked.items() if k not in tables}
+        return cls._checked(loaded, problems, rest, say)
+
+    @classmethod
+    def from_data(
+        cls, data: Mapping[str, Any], folder: str | Path = ".", say: Say = lambda _: None
+    ) -> System:
+        """Build and check a system that is given as the data of a TOML file.
 
         Raises ConfigError with every problem that can be found.
         """
-        loaded, problems = load(Path(path))
-        fmus, lacking = _fmus(loaded, say)
+        loaded, problems = check(data, Path(folder))
+        return cls._checked(loaded, problems, {}, say)
+
+    @classmethod
+    def _checked(
+        cls, loaded: Loaded, problems: list[Problem], overrides: Mapping[str, Any], say: Say
+    ) -> System:
+        fmus, lacking = fmus_of(loaded, say)
         if overrides:
-            loaded, wrong = _override(loaded, fmus, overrides)
+            loaded, wrong = override(loaded, fmus, overrides)
             problems += wrong
         graph, wrong = wire(loaded, fmus)
         problems += lacking + wrong
         selection, wrong = select(loaded, graph)
         problems += [] if lacking else wrong  # a glob may mean what is lacking
+        rates, wrong = rates_of(loaded, graph)
+        problems += wrong
         if problems:
-            raise ConfigError(problems)
-        order = schedule(graph, loaded.config.simulation.algorithm)
-        plan = compile_plan(graph, order, selection.recorded)
+            raise ConfigError(collapse(problems))
+        simulation = loaded.config.simulation
+        order = schedule(graph, simulation.algorithm, simulation.delay)
+        degree = DEGREES[simulation.coupling]
+        plan = compile_plan(graph, order, selection.recorded, rates, degree)
         return cls(loaded, graph, order, selection, plan)
 
     def simulate(
-        self, out: str | Path, show: Callable[[float], None] = lambda _: None
+        self,
+        out: str | Path | None = None,
+        *,
+        checkpoint_every: float = 0.0,
+        resume: str | Path | None = None,
+    ) -> Results:
+        """Run; the results as arrays. Without a folder nothing is left on disk.
+
+        Raises what :meth:`execute` raises.
+        """
+        if out is None:
+            with tempfile.TemporaryDirectory(prefix="sightline-") as folder:
+                return self.simulate(folder, resume=resume)
+        self.execute(out, checkpoint_every=checkpoint_every, resume=resume)
+        return results_file.read(Path(out) / results_file.FILE)
+
+    run = simulate
+
+    def execute(
+        self,
+        out: str | Path,
+        show: Callable[[float], None] = lambda _: None,
+        *,
+        checkpoint_every: float = 0.0,
+        resume: str | Path | None = None,
     ) -> runner.Statistics:
         """Run and write ``results.h5`` (and ``log.txt`` if an FMU says something) to a folder.
 
-        Raises RunError, FmuError, Interrupted, OSError; rows until then are in the results.
+        ``checkpoint_every``: simulated seconds from one ``checkpoint.h5`` to the next; ``resume``:
+        such a file, beside its results, to go on from.
+        Raises ConfigError if the system cannot be saved or resumed so; RunError, FmuError,
+        Interrupted, OSError; rows until then are in the results.
         """
         folder = Path(out)
         config = self.loaded.config
-        rows = config.simulation.steps // config.record_stride + 1
+        keeper = self._keeper(folder, checkpoint_every, None if resume is None else Path(resume))
+        free = config.simulation.algorithm == "adaptive" and config.record.every is None
+        stride = 0 if free else config.record_stride
+        rows = config.simulation.steps // max(1, stride) + 1
         with results_file.ResultsWriter(
             folder, self.graph, self.selection.recorded, self.loaded.text, rows
         ) as writer:
             log = RunLog(folder / "log.txt")
-            return runner.run(
-                self.graph, self.plan, config.simulation, config.record_stride, writer, log, show
+            statistics = runner.run(
+                self.graph, self.plan, config.simulation, stride, writer, log, show, keeper
             )
+        (folder / BEFORE).unlink(missing_ok=True)
+        return statistics
 
-    def run(self, out: str | Path) -> results_file.Results:
-        """Run, and read the results as arrays. Raises what :meth:`simulate` raises."""
-        self.simulate(out)
-        return results_file.read(Path(out) / results_file.FILE)
+    def start(self) -> Session:
+        """A running system that the caller steps, to be used in a ``with`` statement."""
+        simulation = self.loaded.config.simulation
+        return Session(Parts(self.graph, self.plan, self.selection, simulation))
 
+    def to_toml(self, path: str | Path) -> None:
+        """Write the system's config. Raises OSError."""
+        Path(path).write_text(self.loaded.text, encoding="utf-8")
 
-def _fmus(loaded: Loaded, say: Say) -> tuple[dict[str, FmuDescription], list[Problem]]:
-    """Each instance's FMU, read once per file; and what is wrong with those that are lacking."""
-    files: dict[str, Path] = {}
-    problems: list[Problem] = []
-    instances = loaded.config.instances
-    if any(i.builds is not None for i in instances.values()):
-        from .building import build_all
+    def _keeper(self, out: Path, every: float, resume: Path | None) -> Keeper:
+        if every > 0:
+            require_serializable(self.graph, "--checkpoint-every")
+        system = self._identity() if every > 0 or resume else ""
+        keeper = Keeper(out / CHECKPOINT, every, system=system)
+        if resume is not None:
+            keeper.resumed = resumed(resume, system)
+            keeper.recorded = results_file.holding(
+                [resume.parent / n for n in (results_file.FILE, BEFORE)], keeper.resumed.rows
+            )
+            if keeper.recorded is None:
+                what = f"no {results_file.FILE} with {keeper.resumed.rows} rows is beside it"
+                raise ConfigError([Problem(f"--resume {resume}", what)])
+            if keeper.recorded.resolve() == (out / results_file.FILE).resolve():
+                keeper.recorded = keeper.recorded.replace(out / BEFORE)
+        return keeper
 
-        files, problems = build_all(loaded, say)
-    files |= {n: loaded.folder / i.file for n, i in instances.items() if i.file is not None}
-    known: dict[Path, FmuDescription | FmuError] = {}
-    fmus = {}
-    for name in (n for n in instances if n in files):
-        path = files[name]
-        if path not in known:
-            known[path] = _read(path)
-        found = known[path]
-        if isinstance(found, FmuDescription):
-            fmus[name] = found
-        else:
-            where = ("instances", name, "fmu")
-            what = Problem(".".join(where), f"{found.file} {found.problem}", found.remedy)
-            problems.append(loaded.place(what, where))
-    return fmus, problems
-
-
-def _read(path: Path) -> FmuDescription | FmuError:
-    try:
-        return archive.read(path)
-    except FmuError as error:
-        return error
-
-
-def _override(
-    loaded: Loaded, fmus: Mapping[str, FmuDescription], overrides: Mapping[str, Any]
-) -> tuple[Loaded, list[Problem]]:
-    """The config with values put into ``parameters`` or ``start``, whichever has the name."""
-    problems = []
-    instances = {n: dict(loaded.data["instances"][n]) for n in loaded.config.instances}
-    for key, value in overrides.items():
-        where = f"--set {key}"
-        instance, _, name = key.partition(".")
-        if instance not in instances:
-            what = f"there is no instance {instance}"
-            problems.append(Problem(where, what, nearest(instance, instances, "instances")))
-        elif instance in fmus:
-            table = table_of(fmus[instance], name)
-            if table is None:
-                what = f"{instance} has no parameter or start value {name}"
-                names = [n for t in ("parameters", "start") for n in names_of(fmus[instance], t)]
-                problems.append(Problem(where, what, nearest(name, names, "valid")))
-            else:
-                old = instances[instance].get(table, {})
-                instances[instance][table] = {**old, name: value}
-    checked, _ = check({**loaded.data, "instances": instances}, loaded.folder, loaded.texts)
-    return checked, problems  # what else is wrong has been found before
+    def _identity(self) -> str:
+        """What must not change from a checkpoint to the run that resumes it."""
+        data = {k: v for k, v in self.loaded.data.items() if k != "plots"}
+        simulation = dict(data.get("simulation", {}))
+        simulation.pop("stop_time", None)
+        return identity(self.graph, toml_text.dump({**data, "simulation": simulation}))

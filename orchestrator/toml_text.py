@@ -15,11 +15,11 @@ KEY = re.compile(r"""^\s*(?P<key>[A-Za-z0-9_."'\- ]+?)\s*=""")
 
 
 def dump(data: Mapping[str, Any]) -> str:
-    """Plain data as TOML; tables nest to two levels, what is deeper is written inline."""
+    """Plain data as TOML; tables nest to two levels (templates to four), what is deeper inline."""
     lines = [f"{_key(k)} = {value(v)}" for k, v in data.items() if not _table(v)]
     for key, table in data.items():
         if isinstance(table, Mapping):
-            lines += _table_lines(_key(key), table, depth=2)
+            lines += _table_lines(_key(key), table, depth=4 if key == "repeat" else 2)
         elif _table(table):
             for row in table:
                 lines += ["", f"[[{_key(key)}]]"]
@@ -50,8 +50,11 @@ def find(text: str, path: Sequence[str | int]) -> tuple[int, int] | None:
     """Line (from 1) and depth of the deepest key of ``path`` that the text contains.
 
     Best effort: it knows tables, dotted keys and keys inside inline tables; an integer counts
-    the tables of an array.
+    the tables of an array. The last key of a path to ``connections`` is a connection's text.
     """
+    if len(path) > 1 and path[-2] == "connections" and isinstance(path[-1], str):
+        line = line_with(text, f'"{path[-1]}"')
+        return None if line is None else (line, len(path))
     keys = _keys(text)
     for depth in range(len(path), 0, -1):
         head = tuple(str(p) for p in path[:depth])
@@ -122,7 +125,7 @@ def _table(data: Any) -> bool:
 
 def _table_lines(name: str, table: Mapping[str, Any], depth: int) -> list[str]:
     nested = {k: v for k, v in table.items() if isinstance(v, Mapping)} if depth > 1 else {}
-    if depth == 2 and not all(isinstance(v, Mapping) for v in table.values()):
+    if depth == 2 and len(nested) < len(table):
         nested = {}
     lines = [f"{_key(k)} = {value(v)}" for k, v in table.items() if k not in nested]
     if lines or not nested:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -95,11 +97,10 @@ class Wiring:
 
     def _fits(self, text: str, source: End, destination: End) -> bool:
         out, into = source.port, destination.port
-        whole = source.whole and destination.whole
-        same = out.shape == into.shape if whole and out.size > 1 else True
-        if len(source.elements) != len(destination.elements) or not same:
+        one = len(source.elements) == len(destination.elements) == 1
+        if source.shape != destination.shape and not one:
             what = f"{source} has {_size(source)}, {destination} needs {_size(destination)}"
-            self._wrong(text, what, "connect elements: a.x[1] -> b.y[2]")
+            self._wrong(text, what, "connect elements or rows: a.x[1] -> b.y[2]")
             return False
         if out.kind != into.kind and (into.kind, out.kind) not in WIDENING:
             self._wrong(text, f"{source} is {out.kind}, {destination} needs {into.kind}")
@@ -151,7 +152,7 @@ class Wiring:
 
 
 def find_end(instance: str, fmu: FmuDescription, name: str, causality: str) -> End:
-    """The port or element that a connection names. Raises _Refused."""
+    """The port, or the elements of it, that a connection names. Raises _Refused."""
     port, element = fmu.ports.get(name), ELEMENT.match(name)
     if port is None and element is not None:
         port = fmu.ports.get(element["port"])
@@ -168,13 +169,33 @@ def find_end(instance: str, fmu: FmuDescription, name: str, causality: str) -> E
     if port.kind == "string":
         raise _Refused(f"{instance}.{port.name} is a string", "only numbers can be connected")
     if element is None:
-        return End(instance, port, tuple(range(port.size)))
-    labels = {label: i for i, label in enumerate(port.labels())}
-    asked = f"{port.name}[{','.join(i.strip() for i in element['index'].split(','))}]"
-    if asked not in labels:
-        has = f"{next(iter(labels))} to {list(labels)[-1]}" if port.shape else "a scalar"
-        raise _Refused(f"{instance}.{asked} does not exist", f"{port.name} is {has}")
-    return End(instance, port, (labels[asked],))
+        return End(instance, port, tuple(range(port.size)), port.shape)
+    index = [i.strip() for i in element["index"].split(",")]
+    chosen = _chosen(port.shape, index)
+    if chosen is None:
+        has = f"{port.label(0)} to {port.label(port.size - 1)}" if port.shape else "a scalar"
+        asked = f"{instance}.{port.name}[{','.join(index)}]"
+        raise _Refused(f"{asked} does not exist", f"{port.name} is {has}")
+    axes = [len(a) for a, i in itertools.zip_longest(chosen, index) if i in (":", None)]
+    strides = [math.prod(port.shape[k + 1:]) for k in range(len(port.shape))]
+    elements = tuple(
+        sum(i * stride for i, stride in zip(place, strides, strict=True))
+        for place in itertools.product(*chosen)
+    )
+    return End(instance, port, elements, tuple(axes), ",".join(index))
+
+
+def _chosen(shape: tuple[int, ...], index: list[str]) -> list[range] | None:
+    """What an index takes of each axis: ``2`` one place, ``:`` and what is left out all."""
+    if len(index) > len(shape):
+        return None
+    chosen = []
+    for extent, text in zip(shape, [*index, *":" * (len(shape) - len(index))], strict=True):
+        number = int(text) if text.isdecimal() else 0
+        if text != ":" and not 1 <= number <= extent:
+            return None
+        chosen.append(range(extent) if text == ":" else range(number - 1, number))
+    return chosen
 
 
 @dataclass
@@ -188,8 +209,8 @@ def _article(causality: str) -> str:
 
 
 def _size(end: End) -> str:
-    if end.whole and len(end.port.shape) > 1:
-        return f"{' x '.join(str(n) for n in end.port.shape)} elements"
+    if len(end.shape) > 1:
+        return f"{' x '.join(str(n) for n in end.shape)} elements"
     count = len(end.elements)
     return "1 element" if count == 1 else f"{count} elements"
 

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from sightline.orchestrator import System
+
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```(\w+)\n(.*?)```", README, re.DOTALL)
@@ -20,7 +22,8 @@ COMMANDS = [
     for line in text.splitlines()
     if "sightline " in line
 ]
-SOURCES = [text for kind, text in BLOCKS if kind == "python"]
+SOURCES = [text for kind, text in BLOCKS if kind == "python"]  # the first one is a block
+TEMPLATES = [text for kind, text in BLOCKS if kind == "toml"]
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +47,16 @@ def test_command_runs(command: str, folder: Path) -> None:
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_python_example_runs(folder: Path) -> None:
+@pytest.mark.parametrize("text", TEMPLATES)
+def test_template_is_a_system(text: str, tmp_path: Path) -> None:
+    simulation = "\n[simulation]\nstop_time = 1.0\nstep = 0.1\n"
+    (tmp_path / "system.toml").write_text(text + simulation, encoding="utf-8")
+    system = System.from_toml(tmp_path / "system.toml", {"repeat.i": 4})
+    assert len(system.graph.nodes) == 12
+
+
+@pytest.mark.parametrize("text", SOURCES[1:])
+def test_python_example_runs(text: str, folder: Path) -> None:
     build = [sys.executable, "-m", "sightline.orchestrator.cli", "build", "FreeRigidBody"]
     subprocess.run([*build, "--out", "fmus"], cwd=folder, check=True, capture_output=True)
-    subprocess.run([sys.executable, "-c", SOURCES[1]], cwd=folder, check=True)
+    subprocess.run([sys.executable, "-c", text], cwd=folder, check=True)

@@ -53,3 +53,14 @@ class Switch(Component):
     def outputs(self, time, count_in, on_in):
         count = np.floor(time + 1e-9)
         return {"count": count, "on": count >= 2, "echo": 100.0 * on_in + count_in}
+
+
+class Follow(Component):
+    """y = other - x"""
+
+    x = Input((), "m", doc="own")
+    other = Input((), "m", doc="that of another")
+    y = Output((), "m/s", doc="rate")
+
+    def outputs(self, x, other):
+        return {"y": other - x}

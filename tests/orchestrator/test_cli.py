@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from .test_run import LOOP, block
+from .test_run import BLOCKS, LOOP, block
 
 pytestmark = pytest.mark.usefixtures("fmu_cache")
 
@@ -106,6 +106,54 @@ def test_failed_run_exits_with_one_and_names_what_there_is(write, tmp_path: Path
     )
 
 
+def test_plot_redraws_the_figures_of_the_config(system: Path, tmp_path: Path) -> None:
+    sightline("run", system, "--out", tmp_path)
+    done = sightline("plot", tmp_path / "results.h5", "--out", tmp_path / "f", "--format", "svg")
+    assert done.returncode == 0
+    assert done.stdout == f"{tmp_path}/f/state-rate.svg\n{tmp_path}/f/mine.svg\n"
+
+
+def test_plot_draws_chosen_signals_to_a_file(system: Path, tmp_path: Path) -> None:
+    sightline("run", system, "--out", tmp_path)
+    out = tmp_path / "x.png"
+    done = sightline("plot", tmp_path / "results.h5", "-s", "plant.*", "--until", "0.5", "-o", out)
+    assert (done.returncode, done.stdout) == (0, f"{out}\n")
+    assert out.stat().st_size > 5000
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["-s", "plnt.x"], '--signals: "plnt.x" names no recorded signal; did you mean plant.x?'),
+        (["-s", "plant.x", "--kind", "angle"],
+         "angle needs two or more signals that are quaternions of 4 elements, the last one the "
+         "reference; found plant.x"),
+        (["-o", "x.png"], "--out x.png is one figure: say what is in it with --signals"),
+    ],
+)  # fmt: skip
+def test_wrong_plot_is_bad_usage(
+    system: Path, tmp_path: Path, arguments: list[str], message: str
+) -> None:
+    sightline("run", system, "--out", tmp_path)
+    done = sightline("plot", tmp_path / "results.h5", *arguments)
+    assert (done.returncode, done.stderr) == (2, f"{message}\n")
+
+
+def test_plot_of_another_file_fails(system: Path) -> None:
+    done = sightline("plot", system)
+    assert done.returncode == 1
+    assert done.stderr.startswith(f"{system} is not a results file: ")
+
+
+def test_building_is_said_only_when_something_is_built(write, tmp_path: Path) -> None:
+    path = write(plant=block("Integrator", "structure = {}"))
+    text = Path(BLOCKS).read_text(encoding="utf-8").replace("x' = u", "x' = u, once")
+    (tmp_path / "own.py").write_text(text, encoding="utf-8")
+    path.write_text(path.read_text().replace(BLOCKS.as_posix(), "own.py"))
+    said = [sightline("run", path, "--out", tmp_path / "out").stderr for _ in range(2)]
+    assert ["building" in text for text in said] == [True, False]
+
+
 def test_folder_that_cannot_be_written_is_said_to_be(system: Path, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     done = sightline("run", system, "--out", tmp_path / "file")
@@ -123,6 +171,14 @@ def test_info_shows_ports_units_and_frames() -> None:
     done = sightline("info", "FreeRigidBody")
     assert done.returncode == 0
     for text in ("inertia", "kg.m2", "inertial", "angular_velocity", "source: "):
+        assert text in done.stdout
+
+
+def test_info_lists_the_settings_of_the_fmu_and_no_start_of_outputs() -> None:
+    done = sightline("info", "FreeRigidBody")
+    outputs = next(x for x in done.stdout.splitlines() if x.startswith("outputs"))
+    assert outputs.split() == ["outputs", "shape", "unit", "frame", "what"]
+    for text in ("settings of the FMU", "solver_step", "relative_tolerance"):
         assert text in done.stdout
 
 
@@ -145,7 +201,7 @@ def test_build_of_an_unknown_block_fails(tmp_path: Path) -> None:
     assert "did you mean 'RangeSensor'?" in done.stderr
 
 
-@pytest.mark.parametrize("command", ["list", "info", "build", "run", "demo"])
+@pytest.mark.parametrize("command", ["list", "info", "build", "run", "explain", "plot", "demo"])
 def test_help_of_each_command_shows_an_example(command: str) -> None:
     done = sightline(command, "--help")
     assert done.returncode == 0

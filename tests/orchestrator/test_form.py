@@ -53,7 +53,10 @@ def test_missing_key_is_named(write, problems, key: str) -> None:
 
 @pytest.mark.parametrize(
     ("key", "value", "supported"),
-    [("algorithm", "newton", "'gauss-seidel' or 'jacobi'"), ("coupling", "linear", "'hold'")],
+    [
+        ("algorithm", "newton", "'gauss-seidel', 'jacobi' or 'adaptive'"),
+        ("coupling", "cubic", "'hold', 'linear' or 'quadratic'"),
+    ],
 )
 def test_unsupported_choice_lists_what_is_supported(
     write, problems, key: str, value: str, supported: str
@@ -91,6 +94,13 @@ def test_instance_needs_exactly_one_origin(write, problems) -> None:
     assert problems(path) == [
         "system.toml:10: instances.b: has neither of component and fmu; give one of them",
         "system.toml:13: instances.c: has both of component and fmu; give one of them",
+    ]
+
+
+@pytest.mark.parametrize("name", ["time", "config"])
+def test_instance_does_not_take_a_name_of_the_results(write, problems, name: str) -> None:
+    assert problems(write(**{name: BODY})) == [
+        f"system.toml:7: instances.{name}: is the name of something else in the results; rename it"
     ]
 
 

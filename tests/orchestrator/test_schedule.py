@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from sightline.orchestrator.schedule import Cluster
 from sightline.orchestrator.system import System
 
 from .conftest import SIMULATION, variable
@@ -63,28 +64,38 @@ def test_undeclared_dependencies_count_as_feedthrough(build) -> None:
     assert names(build(["b.y -> a.u"], a="d", b="x")) == ["b", "a"]
 
 
-def test_algebraic_loop_is_named_with_remedies(write, problems) -> None:
-    path = write(["a.y -> b.u", "b.y -> a.u"], a='fmu = "f.fmu"', b='fmu = "f.fmu"')
+def test_algebraic_loop_is_a_cluster_to_be_solved(build) -> None:
+    system = build(["a.y -> b.u", "b.y -> a.u", "b.y -> c.u"], c="f", a="f", b="f")
+    assert system.schedule.clusters == (Cluster((1, 2), cyclic=True), Cluster((0,)))
+    assert system.schedule.delayed == ()
+    assert system.plan.loops[0].names == ("a.u", "b.u")
+
+
+def test_loop_is_broken_where_the_user_says(build) -> None:
+    late = SIMULATION + 'delay = ["b.y -> a.u"]\n'
+    system = build(["a.y -> b.u", "b.y -> a.u"], late, b="f", a="f")
+    assert names(system) == ["a", "b"]
+    assert [str(c) for c in system.schedule.delayed] == ["b.y -> a.u"]
+
+
+def test_delay_of_no_connection_is_a_problem(write, problems) -> None:
+    late = SIMULATION + 'delay = ["b.y -> a.v"]\n'
+    path = write(["b.y -> a.u"], a='fmu = "f.fmu"', b='fmu = "x.fmu"', simulation=late)
     assert problems(path) == [
-        "connections: algebraic loop: a.y -> b.u -> b.y -> a.u -> a.y; let one of these FMUs "
-        "declare no direct feedthrough, put one with a state into the loop, or set algorithm = "
-        '"jacobi", which delays every connection by one step'
+        'simulation.delay: "b.y -> a.v" is no connection; did you mean b.y -> a.u?'
     ]
 
 
-def test_fmu_that_feeds_itself_is_a_loop(write, problems) -> None:
-    path = write(["a.y -> a.u"], a='fmu = "f.fmu"')
-    assert "algebraic loop: a.y -> a.u -> a.y" in problems(path)[0]
+def test_fmu_that_feeds_itself_is_a_loop(build) -> None:
+    system = build(["a.y -> a.u"], a="f")
+    assert system.schedule.clusters == (Cluster((0,), cyclic=True),)
 
 
-def test_fmus_that_feed_each_other_without_a_loop_are_told_apart(write, problems) -> None:
-    path = write(
-        ["a.y2 -> b.u1", "b.y2 -> a.u2", "b.y1 -> a.u1", "a.y1 -> b.u2"],
-        a='fmu = "c.fmu"', b='fmu = "c.fmu"',
-    )  # fmt: skip
-    assert problems(path)[0].startswith(
-        "connections: no order of whole FMUs serves a -> b -> a: each feeds the other at once"
-    )
+def test_fmus_that_feed_each_other_without_a_loop_pass_values_by_variable(build) -> None:
+    crossed = ["a.y2 -> b.u1", "b.y2 -> a.u2", "b.y1 -> a.u1", "a.y1 -> b.u2"]
+    system = build(crossed, a="c", b="c")
+    assert system.schedule.clusters == (Cluster((0, 1), updates=(0, 1, 0)),)
+    assert system.plan.loops == ()
 
 
 def test_jacobi_delays_everything_and_allows_loops(build) -> None:

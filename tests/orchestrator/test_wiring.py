@@ -19,6 +19,7 @@ def blocks(make_fmu) -> None:
         *vector("position", 3, "output", unit="m", frame="inertial"),
         *vector("velocity", 3, "output", frame="body"),
         *vector("attitude", 4, "output"),
+        *vector("pair", 2, "output"),
         variable("height", "output", unit="km"),
         variable("temperature", "output", unit="degC"),
         variable("count", "output", "Integer"),
@@ -51,16 +52,23 @@ PLANT, SENSOR = 'fmu = "plant.fmu"', 'fmu = "sensor.fmu"'
         ("p.position -> s.positions", "s (sensor) has no port positions; did you mean position?"),
         ("p.attitude -> s.position[1]",
          "p.attitude has 4 elements, s.position[1] needs 1 element; "
-         "connect elements: a.x[1] -> b.y[2]"),
+         "connect elements or rows: a.x[1] -> b.y[2]"),
+        ("p.attitude -> s.grid[1]",
+         "p.attitude has 4 elements, s.grid[1] needs 2 elements; "
+         "connect elements or rows: a.x[1] -> b.y[2]"),
+        ("p.attitude -> s.grid[:,3]",
+         "s.grid[:,3] does not exist; grid is grid[1,1] to grid[2,2]"),
+        ("p.height -> s.grid[1,1,1]",
+         "s.grid[1,1,1] does not exist; grid is grid[1,1] to grid[2,2]"),
         ("p.attitude -> s.grid",
          "p.attitude has 4 elements, s.grid needs 2 x 2 elements; "
-         "connect elements: a.x[1] -> b.y[2]"),
+         "connect elements or rows: a.x[1] -> b.y[2]"),
         ("p.position[4] -> s.height",
          "p.position[4] does not exist; position is position[1] to position[3]"),
         ("p.height[1] -> s.height", "p.height[1] does not exist; height is a scalar"),
         ("p.mass -> s.height",
          "p.mass is a parameter, not an output; its outputs: attitude, count, height, on, "
-         "position, temperature, velocity"),
+         "pair, position, temperature, velocity"),
         ("p.position -> s.angle",
          "s.angle is an output, not an input; its inputs: body_rate, count, grid, height, "
          "position, temperature"),
@@ -74,6 +82,28 @@ PLANT, SENSOR = 'fmu = "plant.fmu"', 'fmu = "sensor.fmu"'
 def test_connection_is_refused(write, problems, connection: str, message: str) -> None:
     path = write([connection], p=PLANT, s=SENSOR)
     assert problems(path)[0] == f'system.toml:2: connection "{connection}": {message}'
+
+
+@pytest.mark.parametrize(
+    ("index", "elements"), [("2", (2, 3)), ("2,:", (2, 3)), (":,1", (0, 2)), (" 2 , 1 ", (2,))]
+)
+def test_rows_and_columns_of_an_array_are_connected_whole(
+    write, index: str, elements: tuple[int, ...]
+) -> None:
+    source = "p.height" if len(elements) == 1 else "p.pair"
+    (connection,) = System.from_toml(
+        write([f"{source} -> s.grid[{index}]"], p=PLANT, s=SENSOR)
+    ).graph.connections
+    assert connection.destination.elements == elements
+    assert str(connection.destination) == f"s.grid[{index.replace(' ', '')}]"
+
+
+def test_row_and_element_of_it_drive_an_input_twice(write, problems) -> None:
+    path = write(["p.pair -> s.grid[2]", "p.height -> s.grid[2,2]"], p=PLANT, s=SENSOR)
+    assert problems(path) == [
+        'system.toml:3: connection "p.height -> s.grid[2,2]": s.grid[2,2] is already driven '
+        'by "p.pair -> s.grid[2]"; an input has one source'
+    ]
 
 
 def test_input_is_driven_once(write, problems) -> None:
@@ -190,7 +220,15 @@ def test_override_of_an_unknown_name_is_refused(write, problems) -> None:
         ('[[plots]]\ntitle = "x"\nsignals = ["p.position[4]"]',
          'plots.0.signals: "p.position[4]" names no output; did you mean p.position'),
         ('[[plots]]\ntitle = "x"\nkind = "trajectory"\nsignals = ["p.position"]',
-         "plots.0.signals: a trajectory is signals[0] minus signals[1]; found 1; name two signals"),
+         "plots.0.signals: trajectory needs two or more signals of 2 or 3 elements, found "
+         "p.position [3]"),
+        ('[[plots]]\ntitle = "x"\nkind = "angle"\nsignals = ["p.position", "p.attitude"]',
+         "plots.0.signals: angle needs two or more signals of 4 elements, found p.position [3], "
+         "p.attitude [4]"),
+        ('[[plots]]\ntitle = "x"\nuntil = 0.0\nsignals = ["p.position"]',
+         "plots.0.until: 0 is not after start_time = 0"),
+        ('[[plots]]\ntitle = "x"\nscale = "log"\nkind = "activity"\nsignals = ["p.position"]',
+         "plots.0.scale: activity has no logarithmic scale"),
     ],
 )  # fmt: skip
 def test_glob_is_refused(write, problems, rest: str, message: str) -> None:

@@ -1,0 +1,119 @@
+"""Steps a plan over the FMUs' own C functions: the same bits as the reference, in C's time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ._loop import TYPES, Loop
+from .loops import Tolerance
+from .moves import Moves
+from .plan import Act, Array, Block, Plan
+from .slave import Slave
+from .stepper import PythonStepper
+
+Transfer = tuple[int, object, int, int, int]
+NO_EVENTS = (0, 0, 0)
+NOTHING = np.empty(0, dtype=np.intp)
+
+
+class CompiledStepper(PythonStepper):
+    """Runs in :mod:`._loop`; what is rare happens in Python, as in the reference."""
+
+    def __init__(
+        self, plan: Plan, slaves: Sequence[Slave], start: float, step: float,
+        tolerance: Tolerance | None = None,
+    ) -> None:  # fmt: skip
+        super().__init__(plan, slaves, start, step, tolerance)
+        blocks = [b for u in plan.units for s in (u.inputs, u.outputs) for b in s.blocks]
+        widest = max((b.last - b.first for b in blocks), default=0)
+        self._loop = Loop(len(plan.units), len(blocks), widest)
+        acts = np.array(plan.acts, dtype=np.intc).reshape(-1)
+        self._loop.prepare(self.values, plan.recorded, acts, start, step)
+        for move in self.moves:
+            self._add(move)
+
+    def advance(self, first: int, last: int, stride: int, buffer: Array) -> None:
+        """See :meth:`.stepper.Stepper.advance`."""
+        loop, act = self._loop, 0
+        try:
+            while not loop.advance(first, last, stride, buffer, act, self.free):
+                self._attend(Act(self.plan.acts[loop.act][0]), self.plan.acts[loop.act][1])
+                first, act = loop.number, loop.act + 1
+        finally:
+            self.rows = loop.rows
+
+    def _attend(self, act: Act, which: int) -> None:
+        """Do what made the loop halt, or raise its error."""
+        number, status = self._loop.number, self._loop.status
+        if act is Act.SOLVE:
+            solver = self.loops[which]
+            if (number + 1) % solver.moves[0].unit.every == 0 or self.free is not None:
+                self._solve(solver, number)
+            return
+        move = self.moves[which]
+        time, width = self.span(move, number)
+        if act is Act.STEP:
+            self._resume(move, number, status)
+        elif act is Act.WRITE:
+            move.slave.check("setting inputs", status, time)
+        else:
+            action = "getting outputs" if act is Act.READ else "setting inputs"
+            move.slave.check(action, status, time + width)
+
+    def _resume(self, move: Moves, number: int, status: int) -> None:
+        """Finish a step of which a part was not taken."""
+        time, width = self.span(move, number)
+        part = width / move.unit.parts
+        i = self._loop.part
+        self.refuse(move, status, time + i * part, part)
+        self._step(move, number, i + 1)
+
+    def _add(self, move: Moves) -> None:
+        unit, slave = move.unit, move.slave
+        prefix, library = slave.prefix, slave.library
+        step = library.address(f"{prefix}DoStep")
+        names = ("EnterEventMode", "UpdateDiscreteStates", "EnterStepMode")
+        events = [library.address(f"{prefix}{n}") for n in names] if prefix == "fmi3" else NO_EVENTS
+        sources, sets = unit.sources, [self._transfer(slave, b, False) for b in unit.inputs.blocks]
+        if direct := self._direct(move):
+            sources, sets = NOTHING, [(*s[:2], d, *s[3:]) for s, d in zip(sets, direct, strict=True)]
+        self._loop.add(
+            slave.component, (step, *events), prefix == "fmi3", slave.final, unit.every,
+            unit.parts, unit.inputs.first, sources, unit.gain, unit.shift, sets,
+            [self._transfer(slave, b, True) for b in unit.outputs.blocks],
+        )  # fmt: skip
+        if (course := unit.course) is not None:
+            count = len(course.inputs)
+            self._loop.follow(
+                library.address("fmi2SetRealInputDerivatives"), course.inputs,
+                np.array(course.references * course.order, dtype=np.uintc),
+                np.repeat(np.arange(1, course.order + 1, dtype=np.intc), count),
+                move.weights, move.polynomial, move.derivatives, course.history,
+            )  # fmt: skip
+
+    def _direct(self, move: Moves) -> list[int]:
+        """Where each block of inputs stands side by side as outputs, to be set without a copy.
+
+        Empty if some do not, or if the copies are needed.
+        """
+        unit = move.unit
+        solved = any(move in loop.moves for loop in self.loops)
+        if unit.gain is not None or unit.course is not None or solved:
+            return []
+        found = []
+        for block in unit.inputs.blocks:
+            sources = unit.sources[block.first - unit.inputs.first:block.last - unit.inputs.first]
+            if np.any(np.diff(sources) != 1):
+                return []
+            found.append(int(sources[0]))
+        return found
+
+    def _transfer(self, slave: Slave, block: Block, read: bool) -> Transfer:
+        dtype = np.dtype(slave.dtypes[block.type])
+        return (
+            slave.library.address(slave.function(block.type, read)),
+            np.array(block.references, dtype=np.uintc), block.first, block.last - block.first,
+            TYPES[dtype.str[1:]],
+        )  # fmt: skip

@@ -1,0 +1,74 @@
+"""The results file: the order of signals, the config however long, the same bytes however written."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sightline.orchestrator.results import ResultsWriter, holding, read
+from sightline.orchestrator.system import System
+
+from .conftest import variable
+
+
+@pytest.fixture
+def system(write, make_fmu) -> System:
+    make_fmu("plant", [
+        variable("z", "output", unit="m"), *[variable(f"a[{i}]", "output") for i in (1, 2)],
+        variable("on", "output", "Boolean"),
+    ])  # fmt: skip
+    plant = 'fmu = "plant.fmu"'
+    return System.from_toml(write(q=plant, p=plant))
+
+
+def rows(count: int) -> np.ndarray:
+    return np.arange(8.0 * count).reshape(count, 8) % 2.0
+
+
+def test_signals_come_in_the_order_of_the_system(system, tmp_path: Path) -> None:
+    with ResultsWriter(tmp_path, system.graph, system.selection.recorded, "") as writer:
+        writer.append(np.array([0.0]), rows(1))
+    assert list(read(writer.path).series) == ["q.z", "q.a", "q.on", "p.z", "p.a", "p.on"]
+
+
+def test_config_of_any_length_is_kept(system, tmp_path: Path) -> None:
+    config = "# ä\n" * 100_000
+    with ResultsWriter(tmp_path, system.graph, system.selection.recorded, config) as writer:
+        pass
+    assert read(writer.path).config == config
+
+
+def test_bytes_do_not_depend_on_when_rows_are_written(system, tmp_path: Path) -> None:
+    contents = []
+    for name, part in (("a", 1), ("b", 337), ("c", 1000)):
+        with ResultsWriter(
+            tmp_path / name, system.graph, system.selection.recorded, "", 5000
+        ) as writer:
+            for first in range(0, 5000, part):
+                count = min(part, 5000 - first)
+                writer.append(np.arange(first, first + count) * 0.1, rows(count))
+            writer.complete()
+        contents.append(writer.path.read_bytes())
+    assert contents[0] == contents[1] == contents[2]
+
+
+def test_first_file_with_enough_rows_is_found(system, tmp_path: Path) -> None:
+    for name, count in (("a", 2), ("b", 5)):
+        with ResultsWriter(
+            tmp_path / name, system.graph, system.selection.recorded, ""
+        ) as writer:
+            writer.append(np.arange(float(count)), rows(count))
+    paths = [tmp_path / n / "results.h5" for n in ("gone", "a", "b")]
+    assert holding(paths, 2) == paths[1]
+    assert holding(paths, 3) == paths[2]
+    assert holding(paths, 6) is None
+
+
+def test_results_until_a_time_are_cut(system, tmp_path: Path) -> None:
+    with ResultsWriter(tmp_path, system.graph, system.selection.recorded, "") as writer:
+        writer.append(np.arange(5.0), rows(5))
+    cut = read(writer.path).until(2.0)
+    assert (list(cut.time), cut["q.a"].shape) == ([0.0, 1.0, 2.0], (3, 2))
+    assert cut.unit("q.z") == "m"
