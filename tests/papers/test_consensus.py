@@ -1,0 +1,66 @@
+"""Examples 1 to 3 of the attitude consensus paper, co-simulated from their configs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sightline.orchestrator.results import Results
+from sightline.orchestrator.system import System
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+ANGLES = {  # computed by DOP853, rad
+    "consensus": {1: 2.022402, 5: 2.294547, 10: 0.4249535, 15: 0.2609871, 30: 0.0458350,
+                  60: 1.61364e-3, 100: 1.790e-5},
+    "consensus_switched": {1: 2.004044, 5: 1.882201, 10: 1.862154, 15: 1.860071, 30: 1.859826,
+                           60: 4.55213e-3, 100: 6.92e-6},
+}  # fmt: skip
+CASES = [(name, time) for name, angles in ANGLES.items() for time in angles]
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Results]:
+    """The runs that the examples' configs describe, at 1 ms."""
+    return {
+        name: System.from_toml(EXAMPLES / name / "system.toml").run(tmp_path_factory.mktemp(name))
+        for name in (*ANGLES, "consensus_fixed_axis")
+    }
+
+
+@pytest.mark.parametrize(("name", "time"), CASES)
+def test_the_relative_angle_is_within_1_percent_of_the_table(
+    runs: dict[str, Results], name: str, time: float
+) -> None:
+    run = runs[name]
+    angle = run["monitor.relative_angle"][np.argmin(np.abs(run.time - time))]
+    assert angle == pytest.approx(ANGLES[name][time], rel=0.01)
+
+
+def test_damping_alone_gives_the_closed_form(runs: dict[str, Results]) -> None:
+    run = runs["consensus_fixed_axis"]
+    decay, zero = 0.2 * np.exp(-0.45 * run.time), np.zeros_like(run.time)
+    first = np.stack([3.7 / 9.0 + 4.0 / 9.0 * decay, zero, zero], axis=1)
+    second = np.stack([zero, 3.7 / 9.0 - 5.0 / 9.0 * decay, zero], axis=1)
+    np.testing.assert_allclose(run["craft1.angular_velocity"], first, atol=2e-5)  # held: 1e-5
+    np.testing.assert_allclose(run["craft2.angular_velocity"], second, atol=2e-5)
+
+
+@pytest.mark.parametrize("name", ANGLES)
+def test_the_angular_momentum_stays_but_for_the_held_torques(
+    runs: dict[str, Results], name: str
+) -> None:
+    momentum = runs[name]["monitor.angular_momentum"]
+    np.testing.assert_allclose(momentum, np.broadcast_to(momentum[0], momentum.shape), atol=2e-3)
+
+
+def test_the_energy_never_rises_after_the_switch(runs: dict[str, Results]) -> None:
+    run = runs["consensus_switched"]
+    energy = run["monitor.energy"][run.time >= 30.0]
+    assert np.diff(energy).max() < 1e-6  # held torques: rounding of the order of the step squared
+
+
+def test_the_attitudes_differ_until_the_switch(runs: dict[str, Results]) -> None:
+    run = runs["consensus_switched"]
+    assert run["monitor.relative_angle"][run.time <= 30.0].min() > 1.8
