@@ -49,7 +49,7 @@ def main() -> None:
         seconds: dict[str, list[float]] = {target: [] for target in STEPS}
         for _ in range(ROUNDS):
             for target, runs in seconds.items():
-                runs.append(systems[target].simulate(folder / target).seconds)
+                runs.append(systems[target].execute(folder / target).seconds)
         for target, runs in seconds.items():
             medians[target] = statistics.median(runs) / STEPS[target] * 1e6
     fmus = len(systems["native"].graph.nodes)
