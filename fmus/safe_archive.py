@@ -70,7 +70,7 @@ def inspect(path: Path, limits: Limits = Limits()) -> list[ArchiveProblem]:
             found = list(_container(archive, limits))
             return found or list(_contents(archive, limits))
     except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, ValueError) as error:
-        return [ArchiveProblem("damaged", "", f"is not an archive or is damaged: {error}")]
+        return [ArchiveProblem("damaged", "", f"is not an FMU or is damaged: {error}")]
     except OSError as error:
         return [ArchiveProblem("unreadable", "", f"cannot be read: {error.strerror or error}")]
 

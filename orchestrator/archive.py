@@ -6,7 +6,6 @@ import itertools
 import math
 import re
 import zipfile
-import zlib
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -16,6 +15,7 @@ import fmpy
 import fmpy.model_description as fmd
 from lxml import etree
 
+from ..fmus.safe_archive import inspect
 from .description import FmuDescription, Kind, Port
 from .errors import FmuError
 from .units import BASE, Unit
@@ -99,18 +99,11 @@ def _open(path: Path) -> tuple[Any, list[str]]:
         raise FmuError(str(path), "does not exist", remedy)
     if not path.is_file():
         raise FmuError(str(path), "is not a file", "name the .fmu file")
-    try:
-        with zipfile.ZipFile(path) as archive:
-            names = archive.namelist()
-            if "modelDescription.xml" not in names:
-                raise FmuError(str(path), "is not an FMU: it has no modelDescription.xml")
-            return etree.fromstring(archive.read("modelDescription.xml")), names
-    except (zipfile.BadZipFile, zlib.error, EOFError) as error:
-        raise FmuError(
-            str(path), f"is not an FMU or is damaged: {error}", "build or fetch it again"
-        ) from None
-    except etree.XMLSyntaxError as error:
-        raise FmuError(str(path), f"its modelDescription.xml is not XML: {error}") from None
+    if problems := inspect(path):
+        found = "; ".join(f"cannot be used: {p}" if p.member else p.detail for p in problems)
+        raise FmuError(str(path), found, "build or fetch it again")
+    with zipfile.ZipFile(path) as archive:
+        return etree.fromstring(archive.read("modelDescription.xml")), archive.namelist()
 
 
 def _require_binary(path: Path, identifier: str, names: Iterable[str], platform: str) -> None:

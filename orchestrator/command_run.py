@@ -105,6 +105,9 @@ def _simulate(
             "warning: outputs did not come to rest at the start; the system may have an "
             "algebraic loop", markup=False,
         )
+    if statistics is not None and simulation.algorithm == "adaptive":
+        taken = f"{statistics.steps} steps, {statistics.rejected} more rejected"
+        console.print(taken, markup=False)
     _report(system, out, csv, code, console)
     return code
 

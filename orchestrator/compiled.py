@@ -78,7 +78,8 @@ class CompiledStepper(PythonStepper):
         events = [library.address(f"{prefix}{n}") for n in names] if prefix == "fmi3" else NO_EVENTS
         sources, sets = unit.sources, [self._transfer(slave, b, False) for b in unit.inputs.blocks]
         if direct := self._direct(move):
-            sources, sets = NOTHING, [(*s[:2], d, *s[3:]) for s, d in zip(sets, direct, strict=True)]
+            sources = NOTHING
+            sets = [(*s[:2], d, *s[3:]) for s, d in zip(sets, direct, strict=True)]
         self._loop.add(
             slave.component, (step, *events), prefix == "fmi3", slave.final, unit.every,
             unit.parts, unit.inputs.first, sources, unit.gain, unit.shift, sets,

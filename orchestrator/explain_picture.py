@@ -20,7 +20,7 @@ from .system import System
 
 POINTS = 72.0  # per inch
 MARGIN = 24.0
-LEGEND = 46.0
+LEGEND = 60.0
 MARK: Mapping[Timing, str] = {"late": " ⇠ late ", "held": " ⇠ ", "same": " ↺ ", "ahead": " ↺ "}
 SHOWN = 48  # instances; of more, the first are drawn
 GREY, LATE, HELD = "#8a8a8a", "#c0392b", "#6c4a9e"
@@ -133,7 +133,7 @@ def _box(axes: Any, box: Box, fill: str, edge: str) -> None:
 
 
 def _legend(axes: Any, layout: Layout, notes: list[str]) -> None:
-    y = layout.size()[1] + LEGEND - ROW
+    y = layout.size()[1] + 2 * ROW
     rows = [
         ("line: value of the same instant", "#222222"),
         ("⇠ value of the step's start, held over the step", HELD),

@@ -85,7 +85,7 @@ def _histories(figure: Figure, plot: Plot, lines: Sequence[Curve], time: Array) 
         if plot.scale == "linear":
             axes.ticklabel_format(axis="y", useOffset=False)
             if plot.kind == "angle":
-                axes.set_ylim(bottom=0.0)
+                axes.set_ylim(0.0, 1.05 * max(float(np.max(c.values)) for c in mine) or 1.0)
         axes.set_xmargin(0.0)
         axes.grid(True, **GRID)
         axes.spines[["top", "right"]].set_visible(False)

@@ -24,6 +24,7 @@ FILE = "results.h5"
 TABLE = "results.csv"
 CHUNK = 1024  # rows
 TYPES = {"real": "f8", "integer": "i4", "enumeration": "i4", "boolean": "u1"}
+LONG = ("Int64", "UInt64", "UInt32")  # integers that need eight bytes
 
 
 @dataclass(frozen=True)
@@ -101,7 +102,8 @@ class ResultsWriter:
             "frame": node.frame(port) or port.frame,
             "description": port.description,
         }
-        return self._dataset(signal.dataset, port.shape, TYPES[port.kind], attributes)
+        kind = "i8" if port.type in LONG else TYPES[port.kind]
+        return self._dataset(signal.dataset, port.shape, kind, attributes)
 
     def _dataset(
         self, name: str, shape: tuple[int, ...], kind: str, attributes: Mapping[str, str]

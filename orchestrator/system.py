@@ -110,8 +110,10 @@ class System:
     ) -> Results:
         """Run; the results as arrays. Without a folder nothing is left on disk.
 
-        Raises what :meth:`execute` raises.
+        Raises what :meth:`execute` raises, and ValueError for checkpoints without a folder.
         """
+        if out is None and checkpoint_every:
+            raise ValueError("checkpoints need a folder")
         if out is None:
             with tempfile.TemporaryDirectory(prefix="sightline-") as folder:
                 return self.simulate(folder, resume=resume)

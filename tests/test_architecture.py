@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import sys
 import tomllib
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 BUILDERS = {"building.py", "cli.py"}  # of the orchestrator: commands that build what they name
+SHARED = "sightline.fmus.safe_archive"  # how an .fmu file is opened: one place for both packages
 
 
 def imports(path: Path) -> set[str]:
@@ -44,7 +46,15 @@ def test_fmus_do_not_know_the_orchestrator(path: Path) -> None:
 @pytest.mark.parametrize("path", files("orchestrator"), ids=str)
 def test_only_commands_of_the_orchestrator_reach_for_fmus_and_components(path: Path) -> None:
     reached = {n for n in imports(path) if n.startswith(("sightline.fmus", "sightline.comp"))}
-    assert not reached or path.name in BUILDERS or path.name.startswith("command_")
+    free = path.name in BUILDERS or path.name.startswith("command_")
+    assert free or reached <= {SHARED}
+
+
+@pytest.mark.parametrize("name", ["safe_archive", "safe_binary", "safe_xml"])
+def test_what_both_packages_share_needs_the_standard_library_only(name: str) -> None:
+    found = imports(ROOT / "fmus" / f"{name}.py")
+    foreign = {n for n in found if n.split(".")[0] not in sys.stdlib_module_names}
+    assert foreign <= {"sightline.fmus.safe_binary", "sightline.fmus.safe_xml"}
 
 
 def test_top_level_holds_what_was_agreed_and_nothing_else() -> None:

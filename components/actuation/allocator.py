@@ -14,8 +14,10 @@ from .thruster_geometry import (
 )
 
 EXACT = 100.0  # penalty of a residual against the cost of thrust, both of order 1
+REACHED = 1e-9  # of the wrench: a residual that is none
 OFF = 1e-11  # of the wrench: a smaller thrust is none
 AT_LIMIT = 1.0 - 1e-6  # of the limit: a thruster that gives as much is saturated
+SMOOTH = 1e-200
 SMALLEST = 1e-12  # N, scale of an allocation that asks for nothing
 
 
@@ -37,16 +39,16 @@ class Allocator(Component):
 def report(sensitivity: Array, wrench: Array, command: Array,
            limits: Array) -> dict[str, Array | Scalar]:
     """The outputs of every allocator: command, what is missing, and why."""
-    missing = wrench - sensitivity @ command
     lengths = row_lengths(sensitivity)
-    wanted = np.linalg.norm(wrench / lengths)
+    wanted = _size(wrench / lengths)
+    difference = wrench - sensitivity @ command
+    missing = np.where(np.abs(difference) > REACHED * wanted * lengths, difference, 0.0)
     return {
         "command": command,
         "residual_force": missing[:3],
         "residual_torque": missing[3:],
         "saturated": np.where(np.abs(command) >= AT_LIMIT * limits, 1.0, 0.0),
-        "lost_authority": np.linalg.norm(missing / lengths)
-                          / np.where(wanted > 0.0, wanted, 1.0),
+        "lost_authority": _size(missing / lengths) / np.maximum(wanted, SMALLEST),
     }
 
 
@@ -60,3 +62,9 @@ def least(sensitivity: Array, wrench: Array, healthy: Array, limits: Array | Non
     B = sensitivity * healthy / np.reshape(lengths, (6, 1))
     F = minimise(Programme(B, scaled / scale, cost, weight, bounds, penalty, compliance), steps)
     return np.where(np.logical_and(F > OFF, healthy > 0.5), scale * F, 0.0)
+
+
+def _size(vector: Array) -> Scalar:
+    """The norm, with a derivative of 0 at 0."""
+    size: Scalar = np.sqrt(vector @ vector + SMOOTH)
+    return size

@@ -19,13 +19,19 @@ class Factors(NamedTuple):
     inverse: tuple[Scalar, ...]
 
 
-def factorise(matrix: Array) -> Factors:
-    """L and D of a symmetric positive definite matrix."""
+def factorise(matrix: Array, least_pivot: float = 0.0) -> Factors:
+    """L and D of a symmetric positive definite matrix.
+
+    A row that depends on those before it has a pivot of next to nothing: where the pivot does not
+    exceed ``least_pivot``, solutions leave that row out, with a zero in its place.
+    """
     n = matrix.shape[0]
     rest = {(i, j): matrix[i, j] for j in range(n) for i in range(j, n)}
     lower, inverse = [], []
     for j in range(n):
-        inverse.append(1.0 / rest[j, j])
+        kept = rest[j, j] > least_pivot
+        inverse.append(np.where(kept, 1.0 / np.where(kept, rest[j, j], 1.0), 0.0)
+                       if least_pivot > 0.0 else 1.0 / rest[j, j])
         column = [rest[i, j] * inverse[j] for i in range(j + 1, n)]
         for k in range(j + 1, n):
             for i in range(k, n):

@@ -24,8 +24,7 @@ TWELVE_POSITIONS = (
 )  # m
 PAIR_DIRECTIONS = ((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0),
                    (0.0, 0.0, 1.0), (0.0, 0.0, -1.0))
-DAMPING = 1e-8  # of rows of length 1
-REFINEMENTS = 4
+DEPENDENT = 1e-12  # square of the part of a row of B, of length 1, that others do not have
 INDEPENDENT = 1e-12  # least determinant of the rows of B, each scaled to length 1
 
 
@@ -68,17 +67,16 @@ def has_full_rank(sensitivity: Array) -> Condition:
 
 
 def least_squares(sensitivity: Array, wrench: Array) -> Array:
-    """B^T (B B^T)^-1 U by refined solutions of a damped system (20).
+    """B^T (B B^T)^-1 U (20), refined once.
 
-    Where B B^T is regular this is the pseudo-inverse to rounding. Where an axis is lost it gives
-    the rest of the wrench, and next to nothing on the lost axis.
+    A component of the wrench that cannot be given independently of those before it, because
+    thrusters are lost, is left out.
     """
     lengths = row_lengths(sensitivity)
     B, U = sensitivity / np.reshape(lengths, (6, 1)), wrench / lengths
-    factors = factorise(B @ B.T + DAMPING * np.eye(6))
+    factors = factorise(B @ B.T, DEPENDENT)
     multiplier = solve(factors, U)
-    for _ in range(REFINEMENTS):
-        multiplier = multiplier + solve(factors, U - B @ (B.T @ multiplier))
+    multiplier = multiplier + solve(factors, U - B @ (B.T @ multiplier))
     return B.T @ multiplier
 
 

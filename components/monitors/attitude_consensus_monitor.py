@@ -6,6 +6,8 @@ from ..component import Component
 from ..declarations import Array, Input, Output, Parameter, Structure
 from ..maths import IDENTITY, rotate
 
+SMOOTH = 1e-200  # gives the angle a derivative at 0
+
 
 def complete_graph(craft: int) -> Array:
     """Adjacency of the graph in which each is a neighbour of all others."""
@@ -63,7 +65,7 @@ class AttitudeConsensusMonitor(Component):
             "energy_rate": -damping_gain * damping,                                     # (16)
             "angular_momentum": np.sum(momenta, axis=1),                                # (14)
             "weighted_momentum": momenta @ share,
-            "relative_angle": 4.0 * np.arcsin(np.minimum(0.5 * np.sqrt(chord), 1.0)),
+            "relative_angle": 4.0 * np.arcsin(np.minimum(0.5 * np.sqrt(chord + SMOOTH), 1.0)),
         }
 
     def requirements(self, adjacency):

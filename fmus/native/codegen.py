@@ -126,12 +126,12 @@ def _wrapper(name: str, function: ca.Function | None, parameters: str, arguments
         names = [p.split()[-1].lstrip("*") for p in parameters.split(",")]
         body = "    " + ", ".join(f"(void){n}" for n in names) + ";\n"
     else:
-        work = function.sz_w()
+        work, given = ("work", function.sz_w()) if _calls(function) else ("0", 0)
         body = (
             f"    const double *arguments[{function.sz_arg()}] = {{{arguments}}};\n"
             f"    double *results[{function.sz_res()}] = {{result}};\n"
-            + (f"    double work[{work}];\n" if _calls(function) else "")
-            + f"    equations_{name}(arguments, results, 0, {'work' if _calls(function) else 0}, 0);\n"
+            + (f"    double work[{given}];\n" if given else "")
+            + f"    equations_{name}(arguments, results, 0, {work}, 0);\n"
         )
     return f"void model_{name}({parameters})\n{{\n{body}}}\n"
 

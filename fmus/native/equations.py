@@ -9,7 +9,6 @@ from ..tracing import ARGUMENTS, Trace
 
 KNOWN_GROUPS = 5  # t, u, p, x, d: all arguments but the noise
 LONGEST = 3000  # lines of C of the equations, beyond which their derivatives are left out
-OPTIONS = {"casadi_int": "int", "verbose": False}
 
 
 def functions_of(trace: Trace) -> dict[str, ca.Function]:
@@ -35,7 +34,7 @@ def functions_of(trace: Trace) -> dict[str, ca.Function]:
 
 def code(*functions: ca.Function) -> str:
     """The functions as C, static, one after the other."""
-    generator = ca.CodeGenerator("equations.c", OPTIONS)
+    generator = ca.CodeGenerator("equations.c", {"casadi_int": "int", "verbose": False})
     for function in functions:
         generator.add(function)
     text: str = generator.dump()

@@ -53,9 +53,10 @@ def main() -> None:
 
 
 def _import_what_fmus_import() -> None:
-    """Python FMUs need pythonfmu; here once, not in every fork."""
-    with contextlib.suppress(ImportError):
-        importlib.import_module("pythonfmu")
+    """What Python FMUs and validation need: here once, not in every fork."""
+    for name in ("numpy.random", "pythonfmu", "lark"):
+        with contextlib.suppress(ImportError):
+            importlib.import_module(name)
 
 
 def _prepare(job: dict[str, Any]) -> None:

@@ -34,7 +34,7 @@ class Excitation:
     def at(self, k: int) -> Array:
         """Values of all inputs for step k."""
         moved = self._scale * np.sin(self._phase + (0.3 + self._speed) * k)
-        values = np.clip(self.base + self.amplitude * moved, self._low, self._high)
+        values: Array = np.clip(self.base + self.amplitude * moved, self._low, self._high)
         for port in self._unit:
             values[port] /= np.linalg.norm(values[port])
         return values
@@ -73,7 +73,8 @@ def _scales(variables: Sequence[Variable]) -> Array:
 
 
 def _unit_norm(start: Array, real: Array) -> bool:
-    return bool(np.all(real)) and len(start) in (3, 4) and abs(np.linalg.norm(start) - 1.0) < 1e-9
+    unit = abs(float(np.linalg.norm(start)) - 1.0) < 1e-9
+    return unit and bool(np.all(real)) and len(start) in (3, 4)
 
 
 def _draws(text: str) -> tuple[float, float]:

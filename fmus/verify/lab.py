@@ -67,8 +67,12 @@ class Lab:
 
     def close(self) -> None:
         """Free all instances."""
-        for driver in self._made:
-            driver.free()
+        while self._made:
+            self._made.pop().free()
+
+    def must_run(self) -> None:
+        """Raise Refused if the FMU does not run with any inputs."""
+        _ = self.excitation
 
     @cached_property
     def watched(self) -> list[Variable]:

@@ -84,7 +84,7 @@ class Session:
         step = (end - self.time) / SUBSTEPS
         near = ZERO * abs(step)
         t = self.time
-        self._leave_event_mode()
+        self.leave_event_mode()
         while t < end - near:
             event = self._next_event
             goal = min(t + step, end)
@@ -101,7 +101,7 @@ class Session:
                 self.must(self.driver.call("EnterEventMode"), "entering event mode")
                 self._in_event = True
                 if t < end - near:
-                    self._leave_event_mode()
+                    self.leave_event_mode()
         self.time = end
 
     def _rk4(self, t: float, h: float) -> None:
@@ -126,7 +126,7 @@ class Session:
             raise Refused("reading the derivatives", "status OK and values that are not finite")
         return rates
 
-    def _leave_event_mode(self) -> None:
+    def leave_event_mode(self) -> None:
         """Iterate event mode to its end and go on to continuous time."""
         if not self._in_event:
             return

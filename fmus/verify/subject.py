@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
@@ -98,6 +99,12 @@ class Subject:
         both = {"cs": self.description.coSimulation, "me": self.description.modelExchange}
         return {n: i for n, i in both.items() if i is not None}
 
+    def says(self, interface: str, *names: str) -> bool:
+        """Whether the description sets one of these flags, FMPy's model not knowing them all."""
+        element = {"cs": "CoSimulation", "me": "ModelExchange"}[interface]
+        found = ET.parse(self.folder / "modelDescription.xml").find(element)
+        return found is not None and any(found.get(n) in ("true", "1") for n in names)
+
     def of(self, *causalities: str) -> list[Variable]:
         """Numeric variables of these causalities."""
         return [v for v in self.variables if v.causality in causalities and v.type in NUMERIC]
@@ -178,7 +185,8 @@ class Subject:
         """The shared library for this machine."""
         folder = fmpy.platform if self.version == 2 else fmpy.platform_tuple
         name = next(iter(self.interfaces.values())).modelIdentifier
-        return self.folder / "binaries" / folder / f"{name}{fmpy.sharedLibraryExtension}"
+        path: Path = self.folder / "binaries" / folder / f"{name}{fmpy.sharedLibraryExtension}"
+        return path
 
 
 def names_of(variables: Iterable[Variable]) -> list[str]:

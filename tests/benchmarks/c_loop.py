@@ -48,10 +48,12 @@ class CLoop:
 
     def __init__(self, stepper: Stepper, folder: Path) -> None:
         self.stepper = stepper
-        source, binary = folder / "loop.c", folder / "loop.so"
-        source.write_text(_source(stepper.plan), encoding="utf-8")
-        command = ["cc", "-O2", "-ffp-contract=off", "-shared", "-fPIC", str(source), "-o"]
-        subprocess.run([*command, str(binary)], check=True)
+        source = folder / f"loop_{len(stepper.plan.units)}.c"
+        binary = source.with_suffix(".so")
+        if not binary.exists():  # once loaded it must not be written again
+            source.write_text(_source(stepper.plan), encoding="utf-8")
+            command = ["cc", "-O2", "-ffp-contract=off", "-shared", "-fPIC", str(source), "-o"]
+            subprocess.run([*command, str(binary)], check=True)
         self._library = ctypes.CDLL(str(binary))
         slaves = [stepper.slaves[u.node] for u in stepper.plan.units]
         self._fmus = (_Fmu * len(slaves))(*(_fmu(s) for s in slaves))

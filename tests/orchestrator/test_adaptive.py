@@ -30,7 +30,7 @@ def formation(tmp_path: Path) -> Run:
             "[record]\nevery = 3.0\n",
             encoding="utf-8",
         )
-        statistics = System.from_toml(config).simulate(tmp_path)
+        statistics = System.from_toml(config).execute(tmp_path)
         results = read(tmp_path / "results.h5")
         np.testing.assert_array_equal(results.time, np.arange(6) * 3.0)
         ports = [results[f"craft{i}.{p}"] for i in (1, 2) for p in ("position", "attitude")]
@@ -71,7 +71,7 @@ def test_every_accepted_step_is_recorded_unless_asked_else(write, tmp_path) -> N
         p=f'component = "{sampled}:Follower"\nstart = {{ x = 1.0 }}',
     )  # fmt: skip
     system = System.from_toml(path)
-    statistics = system.simulate(tmp_path)
+    statistics = system.execute(tmp_path)
     results = read(tmp_path / "results.h5")
     assert len(results.time) == statistics.steps + 1
     assert set(0.2 * np.arange(5)) < set(results.time)  # sample instants, exactly

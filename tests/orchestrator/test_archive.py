@@ -39,7 +39,23 @@ def test_description_that_is_not_xml_is_said_to_be(tmp_path: Path) -> None:
     path = tmp_path / "a.fmu"
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("modelDescription.xml", "<fmi")
-    with pytest.raises(FmuError, match=r"its modelDescription\.xml is not XML"):
+    with pytest.raises(FmuError, match=r"modelDescription\.xml: is not XML"):
+        read(path)
+
+
+def test_hostile_archive_is_refused_by_name_of_the_problem(make_fmu) -> None:
+    path = make_fmu("plant", [])
+    with zipfile.ZipFile(path, "a") as archive:
+        archive.writestr("../evil", "")
+    with pytest.raises(FmuError, match=r"\.\./evil: its name leads out of the folder"):
+        read(path)
+
+
+def test_description_with_entities_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.fmu"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("modelDescription.xml", "<!DOCTYPE m [<!ENTITY a 'a'>]><m>&a;</m>")
+    with pytest.raises(FmuError, match=r"modelDescription\.xml: has a document type"):
         read(path)
 
 

@@ -164,7 +164,8 @@ def test_folder_that_cannot_be_written_is_said_to_be(system: Path, tmp_path: Pat
 def test_list_shows_blocks_by_family() -> None:
     done = sightline("list")
     assert done.returncode == 0
-    assert "dynamics\n  FreeRigidBody" in done.stdout
+    dynamics = done.stdout.partition("dynamics\n")[2]
+    assert "  FreeRigidBody  " in dynamics
 
 
 def test_info_shows_ports_units_and_frames() -> None:
@@ -185,7 +186,7 @@ def test_info_lists_the_settings_of_the_fmu_and_no_start_of_outputs() -> None:
 def test_info_of_an_unknown_block_names_the_nearest() -> None:
     done = sightline("info", "FreeRigidBdy")
     assert done.returncode == 2
-    assert "did you mean 'FreeRigidBody'?" in done.stderr
+    assert "did you mean 'FreeRigidBody'" in done.stderr
 
 
 def test_build_writes_an_fmu(tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ import numpy as np
 from ..driver import Driver, good, status_name
 from ..lab import Lab, first_difference, same
 from ..registry import NotApplicable, Notes, check
+from ..session import Refused, Session
 from ..subject import Array, names_of
 from ..walk import INITIALIZATION, INSTANTIATED, STEP, TERMINATED, Walk
 
@@ -59,7 +60,7 @@ def _life(
 
 @check("calls.legal", "random legal orders of calls are accepted")
 def legal(lab: Lab, notes: Notes) -> None:
-    lab.excitation  # noqa: B018  (raises here if the FMU does not run at all)
+    lab.must_run()
     began = time.monotonic()
     for number in range(round(SEQUENCES * lab.effort)):
         if time.monotonic() - began > BUDGET * lab.effort and not lab.thorough:
@@ -170,8 +171,6 @@ def illegal(lab: Lab, notes: Notes) -> None:
 
 def _undamaged(lab: Lab, notes: Notes, driver: Driver, where: str, expected: Array) -> None:
     """After a reset (a new instance after a fatal error) everything must be as ever."""
-    from ..session import Refused, Session
-
     session = lab.session() if driver.fatal else Session(driver)
     try:
         if not driver.fatal:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -32,7 +32,7 @@ def dependencies(lab: Lab, notes: Notes) -> None:
 
 
 def _perturb_all(
-    session: Session, inputs: Array, declared: dict[Variable, tuple[Variable, ...] | None],
+    session: Session, inputs: Array, declared: Mapping[Variable, tuple[Variable, ...]],
     notes: Notes,
 ) -> None:  # fmt: skip
     outputs = list(declared)
@@ -52,14 +52,12 @@ def _perturb_all(
             for output in outputs:
                 part = slice(at, at + output.size)
                 at += output.size
-                known = declared[output] or ()
-                if any(m in known for m in members) or np.array_equal(
-                    before[part], after[part], equal_nan=True
-                ):
-                    continue
-                names = ", ".join(dict.fromkeys(m.name for m in members))
-                notes.wrong(output.name, f"changes with {names}", "no change: no such dependency "
-                            "is declared", "declare the dependency")
+                known = declared[output]
+                unchanged = np.array_equal(before[part], after[part], equal_nan=True)
+                if not unchanged and not any(m in known for m in members):
+                    names = ", ".join(dict.fromkeys(m.name for m in members))
+                    notes.wrong(output.name, f"changes with {names}",
+                                "no change: no such dependency is declared", "declare it")
         session.driver.set(variables, inputs)
 
 

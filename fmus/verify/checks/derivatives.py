@@ -19,15 +19,12 @@ ROUNDING = 8.0 * np.finfo(float).eps
 Point = Callable[[Array], tuple[int, Array]]
 
 
-def _declared(lab: Lab, interface: str) -> bool:
-    info = lab.subject.interfaces[interface]
-    return bool(getattr(info, "providesDirectionalDerivative", False)
-                or getattr(info, "providesDirectionalDerivatives", False))
+DIRECTIONAL = ("providesDirectionalDerivative", "providesDirectionalDerivatives")  # FMI 2.0, 3.0
 
 
 def _setting(lab: Lab) -> tuple[Session, list[Variable], list[Variable]]:
     """A running instance, unknowns and knowns; states are knowns where they can be set."""
-    declared = [i for i in lab.subject.interfaces if _declared(lab, i)]
+    declared = [i for i in lab.subject.interfaces if lab.subject.says(i, *DIRECTIONAL)]
     if not declared:
         raise NotApplicable("not declared (providesDirectionalDerivative)")
     interface = "me" if "me" in declared else "cs"
@@ -38,7 +35,7 @@ def _setting(lab: Lab) -> tuple[Session, list[Variable], list[Variable]]:
                 and v.variability == "continuous"]
     knowns = [v for v in lab.subject.inputs if v.real and v.variability == "continuous"]
     if interface == "me":
-        session._leave_event_mode()
+        session.leave_event_mode()
         unknowns += [rate for _, rate in lab.subject.derivatives]
         knowns += lab.subject.states
     if not unknowns or not knowns:
@@ -115,8 +112,7 @@ def _disagreement(
 
 @check("derivatives.adjoint", "adjoint derivatives are the transpose of the directional ones")
 def adjoint(lab: Lab, notes: Notes) -> None:
-    declared = [i for i in lab.subject.interfaces.values() if i.providesAdjointDerivatives]
-    if lab.subject.version == 2 or not declared:
+    if not any(lab.subject.says(i, "providesAdjointDerivatives") for i in lab.subject.interfaces):
         raise NotApplicable("not declared (providesAdjointDerivatives)")
     session, unknowns, knowns = _setting(lab)
     driver = session.driver

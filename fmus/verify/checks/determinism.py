@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import pickle
 
+import numpy as np
+
 from ..excitation import Excitation
 from ..lab import STEPS, Lab, first_difference, same
 from ..registry import NotApplicable, Notes, check
@@ -42,7 +44,7 @@ def independence(lab: Lab, notes: Notes) -> None:
             beside.driver.free()
             beside = lab.session("three").begin(inputs=other.at(0))
             lab.continue_(beside, other, 0, k + 1)
-    _compare(lab, notes, "an instance with others beside it", _rows(rows), expected)
+    _compare(lab, notes, "an instance with others beside it", np.array(rows), expected)
 
 
 @check("determinism.reset", "a reset instance is as a fresh one")
@@ -87,9 +89,3 @@ def _elsewhere(lab: Lab) -> Array | None:
     os.waitpid(pid, 0)
     result: Array | None = pickle.loads(data) if data else None
     return result
-
-
-def _rows(rows: list[Array]) -> Array:
-    import numpy as np
-
-    return np.array(rows)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -102,7 +102,7 @@ def _tagged(lab: Lab, session: Session, what: str) -> None:
 def running(lab: Lab, notes: Notes) -> None:
     if not lab.subject.inputs:
         raise NotApplicable("the FMU has no inputs")
-    lab.excitation  # noqa: B018  (raises here if the FMU does not run at all)
+    lab.must_run()
     session: Session | None = None
     began = time.monotonic()
     for variable, element, value in _trials(lab.subject.inputs):
@@ -131,7 +131,7 @@ def start(lab: Lab, notes: Notes) -> None:
     variables = [v for v in lab.subject.settable_at_start() if v.causality != "input"]
     if not variables:
         raise NotApplicable("the FMU has no parameters and no start values")
-    lab.excitation  # noqa: B018
+    lab.must_run()
     session: Session | None = None
     began = time.monotonic()
     for variable, element, value in _trials(variables):
@@ -151,7 +151,7 @@ def _initialise(
     driver, begin = session.driver, lab.subject.start_time
     values = np.zeros(variable.size) if variable.start is None else variable.start.copy()
     values[element] = value
-    calls = (
+    calls: tuple[tuple[Callable[[], int], str], ...] = (
         (lambda: driver.setup(begin), "setup"),
         (lambda: driver.set([variable], values), "setting"),
         (lambda: driver.set(lab.subject.inputs, lab.excitation.at(0)), "setting inputs"),

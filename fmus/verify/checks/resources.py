@@ -67,10 +67,9 @@ def instances(lab: Lab, notes: Notes) -> None:
         session = lab.session("cycle").begin(inputs=lab.excitation.at(0))
         session.step(lab.subject.step)
         session.read(lab.subject.outputs)
-        session.driver.free()
-        lab._made.clear()
+        lab.close()
 
-    lab.excitation  # noqa: B018
+    lab.must_run()
     for k in range(3):
         cycle(k)
     files, threads = _open_files(), len(list((PROC / "task").iterdir()))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..driver import good
+from ..driver import Handle, good
 from ..excitation import Excitation
 from ..lab import STEPS, Lab, first_difference, same
 from ..registry import NotApplicable, Notes, check
@@ -29,7 +29,7 @@ def _compare(lab: Lab, notes: Notes, where: str, found: list[Array], expected: l
         notes.wrong(where, f"differs: {part}", "the same bits as without")
 
 
-def _saved(session: Session) -> object:
+def _saved(session: Session) -> Handle:
     status, state = session.driver.save()
     session.must(status, "saving the state")
     return state
@@ -90,8 +90,8 @@ def rollback(lab: Lab, notes: Notes) -> None:
             session.put(other.at(k + i))
             session.step(part * h, time)
             time += part * h
-        session.must(session.driver.restore(state), "restoring the state")  # type: ignore[arg-type]
-        session.must(session.driver.drop(state), "freeing the state")  # type: ignore[arg-type]
+        session.must(session.driver.restore(state), "restoring the state")
+        session.must(session.driver.drop(state), "freeing the state")
 
     found = lab.continue_(session, course, 0, STEPS, before=there_and_back)
     _compare(lab, notes, "with a rollback of one to three steps before each", found, expected)

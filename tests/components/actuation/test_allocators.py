@@ -162,10 +162,17 @@ def test_an_axis_that_is_lost_leaves_the_others(name):
 def test_the_report_is_what_the_command_leaves(name):
     allocated = allocate(name, WRENCHES[3], max_thrust=np.full(12, 0.3), healthy=LOST)
     missing = WRENCHES[3] - B @ allocated["command"]
-    np.testing.assert_array_equal(
-        np.concatenate([allocated["residual_force"], allocated["residual_torque"]]), missing)
+    reported = np.concatenate([allocated["residual_force"], allocated["residual_torque"]])
+    np.testing.assert_allclose(reported, missing, atol=1e-8)  # less is reported as none
     expected = np.linalg.norm(missing * S) / np.linalg.norm(WRENCHES[3] * S)
     assert allocated["lost_authority"] == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_a_wrench_that_is_reached_leaves_no_residual(name):
+    allocated = allocate(name, WRENCHES[3])
+    np.testing.assert_array_equal(allocated["residual_force"], 0.0)
+    np.testing.assert_array_equal(allocated["residual_torque"], 0.0)
 
 
 @pytest.mark.parametrize("name", ALL)

@@ -43,10 +43,23 @@ def fmi(request: pytest.FixtureRequest) -> Fmi:
     return version
 
 
-@pytest.fixture(params=sorted(ALL))
-def block_fmu(request: pytest.FixtureRequest, native: Builder, fmi: Fmi) -> Native:
+EVERY = [(n, v) for n in sorted(ALL) for v in (2, 3)]
+
+
+@pytest.fixture(params=EVERY, ids=lambda p: f"{p[0]}-{p[1]}")
+def every_fmu(request: pytest.FixtureRequest, native: Builder) -> Native:
     """The FMU of every block, in both versions."""
-    return native(request.param, fmi)
+    return native(*request.param)
+
+
+SOME = (*OWN, "FreeRigidBody", "Gyro", "ThrusterCluster")
+PARAMS = [*((n, 2) for n in sorted(ALL)), *((n, 3) for n in SOME)]
+
+
+@pytest.fixture(params=PARAMS, ids=lambda p: f"{p[0]}-{p[1]}")
+def block_fmu(request: pytest.FixtureRequest, native: Builder) -> Native:
+    """The FMU of every block, and of some in FMI 3.0 too: both stand on the same core."""
+    return native(*request.param)
 
 
 @pytest.fixture

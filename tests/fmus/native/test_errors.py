@@ -219,7 +219,7 @@ def test_a_foreign_token_or_an_empty_name_makes_no_instance(
         fmu.freeInstance()
         other = type(fmu)(guid=token or fmu.guid, unzipDirectory=str(everything.folder),
                           instanceName=name, modelIdentifier="Everything")  # fmt: skip
-        with pytest.raises(Exception, match="[Ff]ailed to instantiate"):
+        with pytest.raises(Exception, match=r"[Ff]ailed to instantiate"):
             other.instantiate()
 
 

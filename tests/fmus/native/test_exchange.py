@@ -23,14 +23,14 @@ def simulate(native: Native, interface: str, **more: Any) -> np.ndarray:
     )  # fmt: skip
 
 
-def test_fmpy_finds_nothing_to_criticise(block_fmu: Native) -> None:
-    assert validate_fmu(str(block_fmu.path)) == []
+def test_fmpy_finds_nothing_to_criticise(every_fmu: Native) -> None:
+    assert validate_fmu(str(every_fmu.path)) == []
 
 
-def test_both_interfaces_follow_the_same_trajectory(block_fmu: Native) -> None:
-    sampled = {"sample_period": 0.05} if "sample_period" in block_fmu.model.by_name else {}
+def test_both_interfaces_follow_the_same_trajectory(every_fmu: Native) -> None:
+    sampled = {"sample_period": 0.05} if "sample_period" in every_fmu.model.by_name else {}
     step, exchange = (
-        simulate(block_fmu, i, start_values=sampled) for i in ("CoSimulation", "ModelExchange")
+        simulate(every_fmu, i, start_values=sampled) for i in ("CoSimulation", "ModelExchange")
     )
     for name in step.dtype.names:
         scale = np.max(np.abs(step[name])) + 1e-3

@@ -71,8 +71,7 @@ def inside(native: Native, values: dict[str, np.ndarray], names: list[str]) -> l
 
 
 def offers_derivatives(native: Native) -> bool:
-    description = read_model_description(str(native.folder))
-    return bool(description.coSimulation.providesDirectionalDerivative)
+    return "providesDirectionalDerivative" in (native.folder / "modelDescription.xml").read_text()
 
 
 def test_directional_derivatives_equal_finite_differences(block_fmu: Native) -> None:
@@ -84,9 +83,11 @@ def test_directional_derivatives_equal_finite_differences(block_fmu: Native) -> 
     knowns = inside(block_fmu, values, real_names(block_fmu, "input", "state", "discrete"))
     exact = jacobian(fmu, unknowns, knowns)
     found = differences(fmu, values, unknowns, knowns)
+    doubt = np.abs(found - differences(fmu, values, unknowns, knowns, relative=3e-5))
     scale = np.max(np.abs(exact), axis=1, keepdims=True, initial=0.0) + np.abs(exact)
-    # central differences with a step of 1e-5: truncation and cancellation near 1e-9 of the row
-    assert np.all(np.abs(exact - found) <= 1e-6 * scale + 1e-9)
+    # central differences with a step of 1e-5: truncation and cancellation near 1e-9 of the row,
+    # more where two steps show it
+    assert np.all(np.abs(exact - found) <= 1e-6 * scale + 1e-9 + 10.0 * doubt)
 
 
 def _derivatives_are_refused(native: Native) -> None:
@@ -142,7 +143,8 @@ def test_held_outputs_depend_on_nothing_between_ticks(everything: Native) -> Non
 
 @pytest.mark.parametrize(
     ("unknown", "known", "message"),
-    [("push", "push", "push cannot be an unknown"), ("energy", "energy", "energy cannot be a known"),
+    [("push", "push", "push cannot be an unknown"),
+     ("energy", "energy", "energy cannot be a known"),
      ("energy", "solver_step", "solver_step cannot be a known")],
 )  # fmt: skip
 def test_wrong_unknowns_and_knowns_are_refused(

@@ -72,7 +72,7 @@ def test_an_evaluation_that_was_read_stands(everything: Native) -> None:
     fmu.step(0.0, 0.05)
     np.testing.assert_array_equal(fmu.get("pull"), read)
     noise = pull_of_tick(everything, 0)
-    np.testing.assert_allclose(fmu.get("memory"), noise + [1.0, 0.0, 0.0], rtol=1e-14)
+    np.testing.assert_allclose(fmu.get("memory"), noise + np.array([1.0, 0.0, 0.0]), rtol=1e-14)
 
 
 def test_without_a_read_the_tick_takes_the_inputs_of_departure(everything: Native) -> None:
@@ -80,7 +80,7 @@ def test_without_a_read_the_tick_takes_the_inputs_of_departure(everything: Nativ
     fmu.set(force=[5.0, 0.0, 0.0])
     fmu.step(0.0, 0.05)
     noise = pull_of_tick(everything, 0)
-    np.testing.assert_allclose(fmu.get("memory"), noise + [5.0, 0.0, 0.0], rtol=1e-14)
+    np.testing.assert_allclose(fmu.get("memory"), noise + np.array([5.0, 0.0, 0.0]), rtol=1e-14)
 
 
 def test_without_a_period_outputs_act_continuously(everything: Native) -> None:
@@ -88,7 +88,7 @@ def test_without_a_period_outputs_act_continuously(everything: Native) -> None:
     fmu.step(0.0, 0.05)
     fmu.set(force=[1.0, 2.0, 3.0])
     speed = fmu.get("speed")
-    np.testing.assert_allclose(fmu.get("pull"), speed + [1.0, 2.0, 3.0], rtol=1e-15)
+    np.testing.assert_allclose(fmu.get("pull"), speed + np.array([1.0, 2.0, 3.0]), rtol=1e-15)
     assert fmu.get("ticks") == 0
 
 

@@ -11,7 +11,7 @@ from sightline.fmus.build import build
 from sightline.fmus.verify.bench import Options, Workshop, verify
 
 KINDS = (("native", 2), ("native", 3), ("python", 2))
-EFFORT = 0.05  # enough for every check; `sightline verify` tries twenty times as much
+EFFORT = 0.02  # enough for every check; `sightline verify` tries fifty times as much
 
 
 @pytest.mark.parametrize("name", sorted(blocks()))

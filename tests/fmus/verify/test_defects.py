@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
+from sightline.fmus.build import build
+from sightline.fmus.native.platforms import compile_library, own_platform
+from sightline.fmus.safe_archive import extract
 from sightline.fmus.verify.findings import Report, Verdict
 from sightline.fmus.verify.registry import checks
 
@@ -147,3 +151,36 @@ def test_a_reference_that_is_missed_is_a_failure(
     path = make()
     path.with_name("bench_ref.csv").write_text(reference, encoding="utf-8")
     assert found in str(check(path, only=("reference",)).failures[0])
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "meant"),
+    [
+        ("sensitivity.c", "gather(k, sum, result);",
+         "gather(k, sum, result); for (size_t i = 0; i < n_result; i++) result[i] *= 1.01;",
+         "derivatives.adjoint"),
+        ("snapshot.c", "self->s = ((const Snapshot *)snapshot)->state;",
+         "double x = self->s.v[STATES]; self->s = ((const Snapshot *)snapshot)->state;"
+         "self->s.v[STATES] = x;", "state.restore"),
+        ("sensitivity.c", "gather(u, ", "self->tangent[DERIVATIVES] *= 1.01; gather(u, ",
+         "derivatives.directional"),
+        ("fmi3_run.c", "ALLOW3(STEP);\n    Progress", "ALLOW3(INITIALIZATION | STEP);\n    Progress",
+         "calls.illegal"),
+    ],
+)  # fmt: skip
+def test_a_defect_of_an_fmi_3_fmu_is_caught(
+    file: str, old: str, new: str, meant: str, tmp_path: Path, fmu_cache: None, check: Check
+) -> None:
+    sound = build("FreeRigidBody", target="native", fmi=3)
+    platform = own_platform()
+    assert platform is not None
+    extract(sound, tmp_path / "fmu")
+    source = tmp_path / "fmu/sources" / file
+    text = source.read_text(encoding="utf-8")
+    assert old in text
+    source.write_text(text.replace(old, new), encoding="utf-8")
+    binary = tmp_path / "fmu" / platform.binary(3, "FreeRigidBody")
+    compile_library("FreeRigidBody", platform, tmp_path / "fmu/sources/fmu.c", binary)
+    broken = Path(shutil.make_archive(str(tmp_path / "broken"), "zip", tmp_path / "fmu"))
+    assert check(sound, only=(meant,)).passed
+    assert check(broken, only=(meant,)).result(meant).verdict is Verdict.FAILED

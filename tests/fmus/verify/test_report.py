@@ -73,7 +73,8 @@ def test_a_sound_fmu_exits_with_0_and_writes_junit(make: Make, tmp_path: Path) -
 
 
 def test_a_failed_check_exits_with_1(make: Make) -> None:
-    done = CliRunner().invoke(app, ["verify", str(make("STEP_ANYWHERE")), "--only", "calls.illegal"])
+    path = make("STEP_ANYWHERE")
+    done = CliRunner().invoke(app, ["verify", str(path), "--only", "calls.illegal"])
     assert done.exit_code == 1
     assert "a step in mode instantiated: accepted; expected an error status" in done.output
 
