@@ -1,4 +1,4 @@
-"""The results file: the order of signals, the config however long, the same bytes however written."""
+"""The results file: the order of signals, any length of config, the same bytes however written."""
 
 from __future__ import annotations
 

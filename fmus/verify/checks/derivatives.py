@@ -78,24 +78,36 @@ def directional(lab: Lab, notes: Notes) -> None:
     at = session.read(knowns)
     evaluate = _point(session, unknowns, knowns)
     rows, columns = names_of(unknowns), names_of(knowns)
-    directions = [(c, np.eye(len(at))[j]) for j, c in enumerate(columns)]
-    for name, direction in [*directions, ("all together", np.ones(len(at)))]:
+    total = np.zeros(sum(v.size for v in unknowns))
+    for j, name in enumerate(columns):
+        direction = np.eye(len(at))[j]
         status, found = session.driver.directional(unknowns, knowns, direction)
         session.must(status, f"the derivative by {name}")
         notes.tried["directions"] += 1
-        size = max(float(np.max(np.abs(at * direction))), 1.0)
-        wrong = ""
-        for step in STEPS:
-            difference = _difference(evaluate, at, direction, step * size)
-            if difference is None:
-                break
-            disagreement = _disagreement(rows, found, *difference)
-            if not disagreement:
-                wrong = ""
-                break
-            wrong = wrong or disagreement
-        if wrong:
+        total += found
+        size = max(abs(float(at[j])), 1.0)
+        if wrong := _against_differences(evaluate, at, direction, size, rows, found):
             notes.wrong(f"by {name}", wrong, "as finite differences say")
+    status, found = session.driver.directional(unknowns, knowns, np.ones(len(at)))
+    session.must(status, "the derivative in all directions together")
+    if wrong := _disagreement(rows, found, total):
+        notes.wrong("by all together", wrong, "the sum of all directions")
+
+
+def _against_differences(
+    evaluate: Point, at: Array, direction: Array, size: float, rows: list[str], found: Array
+) -> str:
+    """How a derivative differs from central differences of every step; empty if one agrees."""
+    first = ""
+    for step in STEPS:
+        difference = _difference(evaluate, at, direction, step * size)
+        if difference is None:
+            break
+        wrong = _disagreement(rows, found, *difference)
+        if not wrong:
+            return ""
+        first = first or wrong
+    return first
 
 
 def _disagreement(

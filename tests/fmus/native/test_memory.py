@@ -28,12 +28,14 @@ def sequence(native: Native, out: Path, flags: list[str]) -> Path:
     return out
 
 
+@pytest.mark.external
 def test_sanitizers_report_nothing(block_fmu: Native, tmp_path: Path) -> None:
     program = sequence(block_fmu, tmp_path / "program", ["-O0", *SANITIZERS])
     done = subprocess.run([program], capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.external
 def test_valgrind_reports_nothing(block_fmu: Native, tmp_path: Path) -> None:
     valgrind = shutil.which("valgrind")
     assert valgrind, "the tests need valgrind"

@@ -164,8 +164,8 @@ def test_a_reference_that_is_missed_is_a_failure(
          "self->s.v[STATES] = x;", "state.restore"),
         ("sensitivity.c", "gather(u, ", "self->tangent[DERIVATIVES] *= 1.01; gather(u, ",
          "derivatives.directional"),
-        ("fmi3_run.c", "ALLOW3(STEP);\n    Progress", "ALLOW3(INITIALIZATION | STEP);\n    Progress",
-         "calls.illegal"),
+        ("fmi3_run.c", "ALLOW3(STEP);\n    Progress",
+         "ALLOW3(INITIALIZATION | STEP);\n    Progress", "calls.illegal"),
     ],
 )  # fmt: skip
 def test_a_defect_of_an_fmi_3_fmu_is_caught(
