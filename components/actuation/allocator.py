@@ -16,6 +16,7 @@ from .thruster_geometry import (
 EXACT = 100.0  # penalty of a residual against the cost of thrust, both of order 1
 REACHED = 1e-9  # of the wrench: a residual that is none
 OFF = 1e-11  # of the wrench: a smaller thrust is none
+CONVERGED = 1e-12
 AT_LIMIT = 1.0 - 1e-6  # of the limit: a thruster that gives as much is saturated
 SMOOTH = 1e-200
 SMALLEST = 1e-12  # N, scale of an allocation that asks for nothing
@@ -53,14 +54,16 @@ def report(sensitivity: Array, wrench: Array, command: Array,
 
 
 def least(sensitivity: Array, wrench: Array, healthy: Array, limits: Array | None, *,
-          cost: Array, weight: Array, penalty: Array, compliance: float, steps: int) -> Array:
+          cost: Array, weight: Array, penalty: Array, compliance: float, steps: int,
+          tolerance: float = CONVERGED) -> Array:
     """The solution of the programme for the healthy thrusters, in newtons."""
     lengths = row_lengths(sensitivity)
     scaled = wrench / lengths
     scale = np.maximum(np.linalg.norm(scaled), SMALLEST)
     bounds = None if limits is None else limits / scale
     B = sensitivity * healthy / np.reshape(lengths, (6, 1))
-    F = minimise(Programme(B, scaled / scale, cost, weight, bounds, penalty, compliance), steps)
+    programme = Programme(B, scaled / scale, cost, weight, bounds, penalty, compliance, tolerance)
+    F = minimise(programme, steps)
     return np.where(np.logical_and(F > OFF, healthy > 0.5), scale * F, 0.0)
 
 

@@ -23,13 +23,15 @@ from ..loops import repeat
 from .factorisation import Factors, factorise, solve
 
 NEAR = 0.995  # part of the way to the nearest bound that a step may take
-CONVERGED = 1e-12  # mean product of a variable and its multiplier
 SMALLEST = 1e-30
 REGULARISATION = 1e-14  # of the trace: keeps the matrix invertible where solutions are degenerate
 
 
 class Programme(NamedTuple):
-    """B, U, c, w, limits, M for each component of the wrench, and κ; limits None: none."""
+    """B, U, c, w, limits, M for each component of the wrench, and κ; limits None: none.
+
+    ``tolerance``: steps end where the mean product of a variable and its multiplier is below it.
+    """
 
     sensitivity: Array
     wrench: Array
@@ -38,6 +40,7 @@ class Programme(NamedTuple):
     limits: Array | None
     penalty: Array
     compliance: float
+    tolerance: float
 
 
 class _Point(NamedTuple):
@@ -84,7 +87,7 @@ def _step(programme: Programme, point: _Point) -> _Point:
     along, across = _length(dx * newton.per_x, NEAR), _length(ds * newton.per_s, NEAR)
     coupled = np.max(programme.weight) > 0.0  # else a linear programme, of two step lengths
     both = np.minimum(along, across)
-    going = mean > CONVERGED
+    going = mean > programme.tolerance
     along = np.where(going, np.where(coupled, both, along), 0.0)
     across = np.where(going, np.where(coupled, both, across), 0.0)
     return _Point(x + along * dx, s + across * ds, y + across * dy)

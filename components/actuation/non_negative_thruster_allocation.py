@@ -7,7 +7,8 @@ from .allocator import Allocator, least, report
 from .thruster_geometry import control_sensitivity, layout_requirement
 
 NORM_WEIGHT = 1e-11  # of |F|² against the residual's: picks the smallest of equally good commands
-STEPS = 16
+CONVERGED = 1e-25  # products are small where the residual is
+STEPS = 24
 
 
 class NonNegativeThrusterAllocation(Allocator):
@@ -32,7 +33,8 @@ class NonNegativeThrusterAllocation(Allocator):
         B = control_sensitivity(positions, directions, center_of_mass)
         U = np.concatenate([force, torque])                                            # (19)
         F = least(B, U, healthy, None, cost=np.zeros(thrusters), penalty=np.full(6, 10.0),
-                  weight=np.full(thrusters, NORM_WEIGHT), compliance=1.0, steps=STEPS)
+                  weight=np.full(thrusters, NORM_WEIGHT), compliance=1.0,
+                  tolerance=CONVERGED, steps=STEPS)
         return report(B, U, np.minimum(F, max_thrust), max_thrust)
 
     def requirements(self, positions, directions, center_of_mass):

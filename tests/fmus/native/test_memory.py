@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from .conftest import Builder
+from .conftest import ALL, OWN, Builder
 from .driver import Fmi, Instance, Native
 
 HERE = Path(__file__).parent
@@ -28,18 +28,29 @@ def sequence(native: Native, out: Path, flags: list[str]) -> Path:
     return out
 
 
+# every block in one version under each tool; the test blocks, which use everything, in both
+SANITIZED = [(name, 2) for name in sorted(ALL)] + [(name, 3) for name in OWN]
+CHECKED = [(name, 3) for name in sorted(ALL)] + [(name, 2) for name in OWN]
+
+
 @pytest.mark.external
-def test_sanitizers_report_nothing(block_fmu: Native, tmp_path: Path) -> None:
-    program = sequence(block_fmu, tmp_path / "program", ["-O0", *SANITIZERS])
+@pytest.mark.parametrize(("name", "version"), SANITIZED)
+def test_sanitizers_report_nothing(
+    name: str, version: Fmi, native: Builder, tmp_path: Path
+) -> None:
+    program = sequence(native(name, version), tmp_path / "program", ["-O0", *SANITIZERS])
     done = subprocess.run([program], capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, "")
 
 
 @pytest.mark.external
-def test_valgrind_reports_nothing(block_fmu: Native, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("name", "version"), CHECKED)
+def test_valgrind_reports_nothing(
+    name: str, version: Fmi, native: Builder, tmp_path: Path
+) -> None:
     valgrind = shutil.which("valgrind")
     assert valgrind, "the tests need valgrind"
-    program = sequence(block_fmu, tmp_path / "program", ["-O1"])
+    program = sequence(native(name, version), tmp_path / "program", ["-O1"])
     done = subprocess.run(
         [valgrind, "-q", "--leak-check=full", "--show-leak-kinds=all", "--error-exitcode=9",
          program], capture_output=True, text=True,
