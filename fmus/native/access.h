@@ -128,7 +128,9 @@ static inline uint32_t consecutive(const uint32_t *references, size_t n)
                                      count);                                                       \
         else                                                                                       \
             for (uint32_t j = 0; j < count; j++)                                                   \
-                accepted &= write_value(self, first + j, (double)(values)[at + j]);                \
+                accepted &= write_value(self, first + j, (type) == BOOLEAN                         \
+                                                             ? (double)((values)[at + j] != 0)     \
+                                                             : (double)(values)[at + j]);          \
         at += count;                                                                               \
         (self)->s.stale = ALL_STALE;                                                               \
     }                                                                                              \

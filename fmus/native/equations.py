@@ -8,7 +8,7 @@ import numpy as np
 from ..tracing import ARGUMENTS, Trace
 
 KNOWN_GROUPS = 5  # t, u, p, x, d: all arguments but the noise
-LONGEST = 3000  # lines of C of the equations, beyond which their derivatives are left out
+LONGEST = 2000  # lines of C of the equations, beyond which their derivatives are left out
 
 
 def functions_of(trace: Trace) -> dict[str, ca.Function]:

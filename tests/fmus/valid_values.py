@@ -9,7 +9,7 @@ import numpy as np
 from sightline.components import Component, Input
 from sightline.components.declarations import Array
 
-UNIT_NORM = ("attitude", "line_of_sight")
+UNIT_NORM = ("attitude", "attitudes", "line_of_sight")
 
 
 def valid_inputs(block: Component, seed: int) -> dict[str, Array]:
@@ -19,7 +19,7 @@ def valid_inputs(block: Component, seed: int) -> dict[str, Array]:
     for name, port in block.of_type(Input).items():
         value = port.value + 0.1 * rng.random(port.dimensions)
         if name.endswith(UNIT_NORM):
-            value /= np.linalg.norm(value)
+            value /= np.linalg.norm(value, axis=-1, keepdims=True)
         inputs[name] = np.clip(value, port.min, port.max) if port.type == "real" else port.value
     return inputs
 

@@ -13,11 +13,19 @@ from .samples import acceptable, random_values
 
 STATE_KINDS = ("input", "parameter", "state", "discrete")
 EXACT = 1e-12  # of the largest element: the same operations, a few of them in another order
+AMPLIFIED = {  # how much more the block's own conditioning makes of a rounding
+    "LeastPropellantThrusterAllocation": 1e3,  # a linear programme: its matrix becomes singular
+    "NonNegativeThrusterAllocation": 1e2,  # the same, but strictly convex
+    "RelativeVelocityKalmanFilter": 1e4,  # innovation: small difference of large predictions
+}
 
 
-def close(found: np.ndarray, expected: np.ndarray, scale: float = 1e-300) -> bool:
+def close(
+    native: Native, found: np.ndarray, expected: np.ndarray, scale: float = 1e-300
+) -> bool:
     scale = np.max(np.abs(expected), initial=scale)
-    return bool(np.all(np.abs(found - expected) <= EXACT * scale))
+    tolerance = EXACT * AMPLIFIED.get(native.model.block.name, 1.0)
+    return bool(np.all(np.abs(found - expected) <= tolerance * scale))
 
 
 def settings(native: Native, period: float) -> dict[str, float]:
@@ -50,7 +58,8 @@ def test_outputs_and_rates_equal_numpy_at_random_values(
                 with np.errstate(all="ignore"):
                     expected = block.evaluate(equation, known)
                 for port, value in expected.items():
-                    assert close(fmu.get(form.format(port)), np.asarray(value)), port
+                    found = fmu.get(form.format(port))
+                    assert close(block_fmu, found, np.asarray(value)), port
         fmu.fmu.freeInstance()
 
 
@@ -85,7 +94,8 @@ def test_a_thousand_random_steps_equal_the_python_target(block_fmu: Native) -> N
                     expected = reference.get(list(port.references)).reshape(port.shape)
                     largest[port.name] = np.max(np.abs(expected),
                                                 initial=largest.get(port.name, 1e-300))
-                    assert close(ours.get(port.name), expected, largest[port.name]), port.name
+                    assert close(block_fmu, ours.get(port.name), expected,
+                                 largest[port.name]), port.name  # fmt: skip
             if phase == 0:
                 ours.step(time, h)
                 reference.step(time, h)
