@@ -43,7 +43,8 @@ class Formation:
     def run(self, folder: Path) -> Series:
         """Our run: one row of all outputs for each communication point, the start included."""
         results = self.system.run(folder)
-        ports = [results[name] for name in self.system.graph.signals]
+        ports = [results[n] for n, (_, port) in self.system.graph.signals.items()
+                 if port.kind == "real"]
         return np.column_stack([p.reshape(len(results.time), -1) for p in ports])
 
 
@@ -68,6 +69,7 @@ def formation(
     outputs = [
         (Variable(node.name, port.label(i), port.references[i]), node)
         for node, port in graph.signals.values()
+        if port.kind == "real"
         for i in range(port.size)
     ]
     return Formation(

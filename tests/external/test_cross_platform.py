@@ -234,7 +234,7 @@ def run(
             port = fmu.ports[name]
             for i, slope in enumerate(slopes):
                 command += ["drive", str(port.references[i]), port.start[i], repr(slope)]
-        for port in fmu.outputs.values():
+        for port in (p for p in fmu.outputs.values() if p.kind == "real"):
             for reference in port.references:
                 command += ["get", str(reference)]
         done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300)
