@@ -49,11 +49,12 @@ class Sensor(Component):
     """Base of the sensors; see the module's docstring."""
 
     channels: ClassVar[tuple[Channel, ...]] = ()
+    truth_inputs: ClassVar[tuple[str, ...]] = ()
 
     def __init_subclass__(cls, *, channels: Sequence[Channel]) -> None:
         cls.channels = tuple(channels)
-        truth = inspect.signature(cls.__dict__["truth"]).parameters
-        inputs = list(truth)[1:]
+        inputs = list(inspect.signature(cls.__dict__["truth"]).parameters)[1:]
+        cls.truth_inputs = tuple(inputs)
         declared = _common()
         for channel in channels:
             declared |= _errors(channel, cls.__dict__[channel.output])
@@ -150,7 +151,7 @@ def _receiving(names: Sequence[str], equation: Callable[..., Any]) -> Callable[.
 def _sample(sensor: Sensor, values: Mapping[str, Any]) -> tuple[dict[str, Array], Condition]:
     """What the sensor would say of this instant without delay, and whether it is valid."""
     truth: Callable[..., dict[str, Any]] = sensor.truth  # type: ignore[attr-defined]
-    true = truth(**{n: values[n] for n in inspect.signature(truth).parameters})
+    true = truth(**{n: values[n] for n in sensor.truth_inputs})
     seen = np.logical_not(chain.drops_out(values["dropout"], values["dropout_noise"]))
     said = {c.output: _distorted(c, true[c.output], values) for c in sensor.channels}
     return said, np.logical_and(seen, true["valid"]) if "valid" in true else seen
