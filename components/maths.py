@@ -24,6 +24,30 @@ def cross(a: Array, b: Array) -> Array:
     return a[NEXT] * b[LAST] - a[LAST] * b[NEXT]
 
 
+def product(a: Array, b: Array) -> Array:
+    """a @ b of vectors and matrices, summed in order of the index on every machine.
+
+    numpy's ``@`` sums in an order, and with fused operations, of its library's choice; generated
+    code sums in order. Where an algorithm amplifies rounding, only the same order gives the same
+    numbers.
+    """
+    shape = (*a.shape[:-1], *b.shape[1:])
+    rows, columns = np.reshape(a, (-1, b.shape[0])), np.reshape(b, (b.shape[0], -1))
+    result = np.outer(rows[:, 0], columns[0])
+    for k in range(1, b.shape[0]):
+        result = result + np.outer(rows[:, k], columns[k])
+    return np.reshape(result, shape)
+
+
+def reciprocal(x: Array | Scalar) -> Array:
+    """1/x of positive numbers, divided once however often it is used.
+
+    Code generation turns a factor 1/x back into a division, slower and rounded otherwise; not so
+    the larger of 1/x and 0.
+    """
+    return np.maximum(1.0 / x, 0.0)
+
+
 def unit(vector: Array) -> Array:
     """The vector divided by its norm; the norm must not be zero."""
     return vector / np.linalg.norm(vector)

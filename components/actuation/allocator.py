@@ -6,6 +6,7 @@ import numpy as np
 
 from ..component import Component
 from ..declarations import Array, Input, Parameter, Scalar, Structure
+from ..maths import product
 from .interior_point import Programme, minimise
 from .thruster_geometry import (
     default_directions,
@@ -42,7 +43,7 @@ def report(sensitivity: Array, wrench: Array, command: Array,
     """The outputs of every allocator: command, what is missing, and why."""
     lengths = row_lengths(sensitivity)
     wanted = _size(wrench / lengths)
-    difference = wrench - sensitivity @ command
+    difference = wrench - product(sensitivity, command)
     missing = np.where(np.abs(difference) > REACHED * wanted * lengths, difference, 0.0)
     return {
         "command": command,
@@ -54,20 +55,20 @@ def report(sensitivity: Array, wrench: Array, command: Array,
 
 
 def least(sensitivity: Array, wrench: Array, healthy: Array, limits: Array | None, *,
-          cost: Array, weight: Array, penalty: Array, compliance: float, steps: int,
+          cost: Array, weight: Array, penalty: Array | None, steps: int,
           tolerance: float = CONVERGED) -> Array:
     """The solution of the programme for the healthy thrusters, in newtons."""
     lengths = row_lengths(sensitivity)
     scaled = wrench / lengths
-    scale = np.maximum(np.linalg.norm(scaled), SMALLEST)
+    scale = np.maximum(np.sqrt(product(scaled, scaled)), SMALLEST)
     bounds = None if limits is None else limits / scale
     B = sensitivity * healthy / np.reshape(lengths, (6, 1))
-    programme = Programme(B, scaled / scale, cost, weight, bounds, penalty, compliance, tolerance)
+    programme = Programme(B, scaled / scale, cost, weight, bounds, penalty, tolerance)
     F = minimise(programme, steps)
     return np.where(np.logical_and(F > OFF, healthy > 0.5), scale * F, 0.0)
 
 
 def _size(vector: Array) -> Scalar:
     """The norm, with a derivative of 0 at 0."""
-    size: Scalar = np.sqrt(vector @ vector + SMOOTH)
+    size: Scalar = np.sqrt(product(vector, vector) + SMOOTH)
     return size

@@ -38,7 +38,7 @@ class BoundedThrusterAllocation(Allocator):
         W = np.concatenate([force_weights, torque_weights])
         F = least(B, U, healthy, max_thrust, cost=np.zeros(thrusters),
                   weight=thrust_weights / np.max(thrust_weights), penalty=EXACT * W / np.max(W),
-                  compliance=0.0, steps=STEPS)
+                  steps=STEPS)
         return report(B, U, F, max_thrust)
 
     def requirements(self, positions, directions, center_of_mass):

@@ -1,12 +1,12 @@
 """The allocation programme of all one-sided allocators, solved by an interior-point method.
 
-minimise    c·F + ½ F·w F + penalty(U - B F)     over 0 <= F <= limits
-penalty(r): with κ = 0   M |r|_1, exact: r = 0 wherever the wrench U can be reached
-            with κ = 1   ½ |r|²  while |r| < M (beyond, it grows linearly)
+minimise    c·F + ½ F·w F + |r|²/2  or  M·|r|,    r = U - B F,    over 0 <= F <= limits
 
-Every wrench has a solution, so that nothing has to be known beforehand. A fixed number of
+The penalty M·|r| is exact: where M is large, r = 0 wherever the wrench U can be reached. Every
+wrench has a solution, so that nothing has to be known beforehand. A fixed number of
 predictor-corrector steps is taken, each with one factorisation of a 6x6 matrix; steps after
-convergence change nothing. Quantities are expected to be of order 1.
+convergence change nothing. Quantities are expected to be of order 1. The matrix becomes singular on
+the way, which amplifies rounding: sums are taken in a given order.
 
 Source: S. Mehrotra, On the implementation of a primal-dual interior point method, SIAM J. Optim.
 2 (1992); J. Nocedal, S. Wright, Numerical Optimization, ch. 14, 16.
@@ -19,8 +19,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..declarations import Array, Scalar
+from ..factorisation import Factors, factorise, solve
 from ..loops import repeat
-from .factorisation import Factors, factorise, solve
+from ..maths import product, reciprocal
 
 NEAR = 0.995  # part of the way to the nearest bound that a step may take
 SMALLEST = 1e-30
@@ -28,7 +29,7 @@ REGULARISATION = 1e-14  # of the trace: keeps the matrix invertible where soluti
 
 
 class Programme(NamedTuple):
-    """B, U, c, w, limits, M for each component of the wrench, and κ; limits None: none.
+    """B, U, c, w, limits (None: none) and M for each component of the wrench (None: |r|²/2).
 
     ``tolerance``: steps end where the mean product of a variable and its multiplier is below it.
     """
@@ -38,13 +39,15 @@ class Programme(NamedTuple):
     cost: Array
     weight: Array
     limits: Array | None
-    penalty: Array
-    compliance: float
+    penalty: Array | None
     tolerance: float
 
 
 class _Point(NamedTuple):
-    """Variables x = [F, limits - F, r+, r-] > 0, their multipliers s > 0, and y, dual to U."""
+    """Variables x > 0, their multipliers s > 0, and y, dual to U.
+
+    x = [F, limits - F, r+, r-] with r = r+ - r-; without limits or penalty those parts are missing.
+    """
 
     x: Array
     s: Array
@@ -54,35 +57,31 @@ class _Point(NamedTuple):
 def minimise(programme: Programme, steps: int) -> Array:
     """F, strictly within its limits."""
     point = repeat(_step, steps, programme, _start(programme))
-    return _forces(programme, point.x)
-
-
-def _forces(programme: Programme, x: Array) -> Array:
-    return x[: programme.sensitivity.shape[1]]
+    return point.x[: programme.sensitivity.shape[1]]
 
 
 def _start(programme: Programme) -> _Point:
     m, n = programme.sensitivity.shape
-    ones, M = np.ones(n), programme.penalty
-    if programme.limits is None:
-        forces, multipliers = [ones], [ones]
-    else:
-        F = np.minimum(ones, 0.5 * programme.limits)
-        forces = [F, programme.limits - F]
-        multipliers = [ones, 1.0 / np.maximum(programme.limits - F, 1.0)]
-    x = np.concatenate([*forces, 0.3 * np.ones(2 * m)])
-    return _Point(x, np.concatenate([*multipliers, M, M]), np.zeros(m))
+    x, s = [np.ones(n)], [np.ones(n)]
+    if programme.limits is not None:
+        F = np.minimum(1.0, 0.5 * programme.limits)
+        x = [F, programme.limits - F]
+        s.append(1.0 / np.maximum(programme.limits - F, 1.0))
+    if programme.penalty is not None:
+        x.append(0.3 * np.ones(2 * m))
+        s += [programme.penalty, programme.penalty]
+    return _Point(np.concatenate(x), np.concatenate(s), np.zeros(m))
 
 
 def _step(programme: Programme, point: _Point) -> _Point:
     x, s, y = point
-    gap = x @ s
+    gap = product(x, s)
     mean = gap / len(x)
     newton = _Newton(programme, point)
     dx, ds, _ = newton.direction(-x * s)
     along, across = _length(dx * newton.per_x, 1.0), _length(ds * newton.per_s, 1.0)
-    predicted = (x + along * dx) @ (s + across * ds)
-    centre = (predicted / gap) ** 3 * mean
+    left = product(x + along * dx, s + across * ds) / gap
+    centre = left * left * left * mean
     dx, ds, dy = newton.direction(centre - x * s - dx * ds)
     along, across = _length(dx * newton.per_x, NEAR), _length(ds * newton.per_s, NEAR)
     coupled = np.max(programme.weight) > 0.0  # else a linear programme, of two step lengths
@@ -104,34 +103,50 @@ class _Newton:
     def __init__(self, programme: Programme, point: _Point) -> None:
         x, s, y = point
         B, m = programme.sensitivity, len(y)
-        self.m, self.n, self.B, self.x, self.s = m, B.shape[1], B, x, s
-        self.limited = programme.limits is not None
-        self.per_x, self.per_s = 1.0 / x, 1.0 / s
-        F, p, q = x[: self.n], x[-2 * m : -m], x[-m:]
-        self.p, self.q = p * self.per_s[-2 * m : -m], q * self.per_s[-m:]
-        self.missing = programme.wrench - B @ F - p + q - programme.compliance * y
-        ratio = s[: -2 * m] * self.per_x[: -2 * m]
-        slope = s[: self.n] + B.T @ y - programme.cost - programme.weight * F
-        curvature = programme.weight + ratio[: self.n]
-        if self.limited:
-            slope = slope - s[self.n : 2 * self.n]
-            curvature = curvature + ratio[self.n :]
-        self.ratio, self.slope, self.inverse = ratio, slope, 1.0 / curvature
+        self.m, self.n, self.B, self.programme = m, B.shape[1], B, programme
+        self.per_x, self.per_s = reciprocal(x), reciprocal(s)
+        (F, *_), residual = self._parts(x)
+        (multiplier, *upper), _ = self._parts(s)
+        ratios, _ = self._parts(s * self.per_x)
+        slope = multiplier + product(B.T, y) - programme.cost - programme.weight * F
+        curvature = programme.weight + ratios[0]
+        if upper:
+            slope, curvature = slope - upper[0], curvature + ratios[1]
+        missing = programme.wrench - product(B, F)
+        if residual:
+            _, (self.p, self.q) = self._parts(x * self.per_s)
+            missing, diagonal = missing - residual[0] + residual[1], self.p + self.q
+        else:
+            missing, diagonal = missing - y, np.ones(m)
+        self.ratios, self.slope, self.missing = ratios, slope, missing
+        self.inverse = reciprocal(curvature)
         self.scaled = B * self.inverse
-        system = self.scaled @ B.T + np.diag(self.p + self.q + programme.compliance)
+        system = product(self.scaled, B.T) + np.diag(diagonal)
         self.factors: Factors = factorise(system + REGULARISATION * np.trace(system) * np.eye(m))
+
+    def _parts(self, values: Array) -> tuple[list[Array], list[Array]]:
+        """What belongs to F and limits - F, and to r+ and r-."""
+        n, m = self.n, self.m
+        bounds = 1 if self.programme.limits is None else 2
+        forces = [values[k * n : (k + 1) * n] for k in range(bounds)]
+        if self.programme.penalty is None:
+            return forces, []
+        return forces, [values[-2 * m : -m], values[-m:]]
 
     def direction(self, target: Array) -> tuple[Array, Array, Array]:
         """Changes of x, s and y for a target of x ds + s dx."""
-        m, n = self.m, self.n
-        to_p = target[-2 * m : -m] * self.per_s[-2 * m : -m]
-        to_q = target[-m:] * self.per_s[-m:]
-        aim = target[: -2 * m] * self.per_x[: -2 * m]
-        push = self.slope + aim[:n]
-        if self.limited:
-            push = push - aim[n:]
-        dy = solve(self.factors, self.missing - to_p + to_q - self.scaled @ push)
-        dF = self.inverse * (push + self.B.T @ dy)
-        forces = np.concatenate([dF, -dF]) if self.limited else dF
-        dx = np.concatenate([forces, to_p + self.p * dy, to_q - self.q * dy])
-        return dx, np.concatenate([aim - self.ratio * forces, -dy, dy]), dy
+        aims, _ = self._parts(target * self.per_x)
+        _, to = self._parts(target * self.per_s)
+        push, missing = self.slope + aims[0], self.missing
+        if len(aims) > 1:
+            push = push - aims[1]
+        if to:
+            missing = missing - to[0] + to[1]
+        dy = solve(self.factors, missing - product(self.scaled, push))
+        dF = self.inverse * (push + product(self.B.T, dy))
+        dx = [dF, -dF][: len(aims)]
+        ds = [aim - ratio * d for aim, ratio, d in zip(aims, self.ratios, dx, strict=True)]
+        if to:
+            dx += [to[0] + self.p * dy, to[1] - self.q * dy]
+            ds += [-dy, dy]
+        return np.concatenate(dx), np.concatenate(ds), dy

@@ -33,8 +33,7 @@ class LeastPropellantThrusterAllocation(Allocator):
         B = control_sensitivity(positions, directions, center_of_mass)
         U = np.concatenate([force, torque])                                            # (19)
         F = least(B, U, healthy, max_thrust, cost=np.min(specific_impulse) / specific_impulse,
-                  weight=np.zeros(thrusters), penalty=np.full(6, EXACT), compliance=0.0,
-                  steps=STEPS)
+                  weight=np.zeros(thrusters), penalty=np.full(6, EXACT), steps=STEPS)
         return report(B, U, F, max_thrust)
 
     def requirements(self, positions, directions, center_of_mass):

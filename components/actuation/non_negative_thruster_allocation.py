@@ -32,9 +32,8 @@ class NonNegativeThrusterAllocation(Allocator):
                 thrusters):
         B = control_sensitivity(positions, directions, center_of_mass)
         U = np.concatenate([force, torque])                                            # (19)
-        F = least(B, U, healthy, None, cost=np.zeros(thrusters), penalty=np.full(6, 10.0),
-                  weight=np.full(thrusters, NORM_WEIGHT), compliance=1.0,
-                  tolerance=CONVERGED, steps=STEPS)
+        F = least(B, U, healthy, None, cost=np.zeros(thrusters), penalty=None,
+                  weight=np.full(thrusters, NORM_WEIGHT), tolerance=CONVERGED, steps=STEPS)
         return report(B, U, np.minimum(F, max_thrust), max_thrust)
 
     def requirements(self, positions, directions, center_of_mass):

@@ -14,8 +14,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..declarations import Array, Condition
-from ..maths import UNIT_TOLERANCE, cross
-from .factorisation import factorise, solve
+from ..factorisation import factorise, solve
+from ..maths import UNIT_TOLERANCE, cross, product
 
 TWELVE_POSITIONS = (
     (-1.0, 0.8, 0.0), (-1.0, -0.8, 0.0), (1.0, 0.8, 0.0), (1.0, -0.8, 0.0),  # +x +x -x -x
@@ -56,7 +56,7 @@ def control_sensitivity(positions: Array, directions: Array, center_of_mass: Arr
 
 def row_lengths(sensitivity: Array) -> Array:
     """Length of each row of B, to make forces and torques comparable; 1 for a row of zeros."""
-    length = np.sqrt(np.sum(sensitivity * sensitivity, axis=1))
+    length = np.sqrt(product(sensitivity * sensitivity, np.ones(sensitivity.shape[1])))
     return np.where(length > 0.0, length, 1.0)
 
 
@@ -74,10 +74,10 @@ def least_squares(sensitivity: Array, wrench: Array) -> Array:
     """
     lengths = row_lengths(sensitivity)
     B, U = sensitivity / np.reshape(lengths, (6, 1)), wrench / lengths
-    factors = factorise(B @ B.T, DEPENDENT)
+    factors = factorise(product(B, B.T), DEPENDENT)
     multiplier = solve(factors, U)
-    multiplier = multiplier + solve(factors, U - B @ (B.T @ multiplier))
-    return B.T @ multiplier
+    multiplier = multiplier + solve(factors, U - product(B, product(B.T, multiplier)))
+    return product(B.T, multiplier)
 
 
 def directions_requirement(directions: Array) -> dict[str, Condition]:

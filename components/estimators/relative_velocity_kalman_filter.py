@@ -4,7 +4,8 @@ import numpy as np
 
 from ..component import Component
 from ..declarations import DiscreteState, Input, Output, Parameter, SamplePeriod
-from .kalman import corrected
+from ..maths import product
+from .kalman import congruent, corrected, is_covariance
 from .relative_motion_model import turn_matrix
 
 
@@ -65,9 +66,13 @@ class RelativeVelocityKalmanFilter(Component):
         F = np.block([[R, T * R], [0.0 * ones, R]])
         q = acceleration_density * acceleration_density
         Q = q * np.block([[T**3 / 3.0 * ones, T**2 / 2.0 * ones], [T**2 / 2.0 * ones, T * ones]])
-        push = np.concatenate([0.5 * T**2 * (R @ acceleration), T * (R @ acceleration)])
-        return {"predicted": F @ x + push, "covariance": F @ P @ F.T + Q,
+        turned = product(R, acceleration)
+        push = np.concatenate([0.5 * T**2 * turned, T * turned])
+        return {"predicted": product(F, x) + push, "covariance": congruent(F, P) + Q,
                 "started": np.where(valid > 0.5, 1.0, started)}
 
-    def requirements(self, sample_period):
-        return {"sample_period must be positive": sample_period > 0.0}
+    def requirements(self, sample_period, covariance):
+        return {
+            "sample_period must be positive": sample_period > 0.0,
+            "covariance must be symmetric and positive definite": is_covariance(covariance),
+        }

@@ -72,6 +72,24 @@ def test_cross_of_matrices_is_that_of_their_columns():
     np.testing.assert_array_equal(maths.cross(a, b), np.cross(a, b, axis=0))
 
 
+@pytest.mark.parametrize(("a", "b"), [((6,), (6,)), ((4, 6), (6,)), ((6,), (6, 3)),
+                                      ((4, 6), (6, 3))])  # fmt: skip
+def test_a_product_is_that_of_numpy(a, b):
+    left, right = RNG.standard_normal(a), RNG.standard_normal(b)
+    np.testing.assert_allclose(maths.product(left, right), left @ right, rtol=1e-13)
+
+
+def test_a_product_is_summed_in_order_without_fused_operations():
+    rounded = np.array([1e16, 1.0, -1e16, 1.0])  # 1e16 + 1 is 1e16
+    assert maths.product(rounded, np.ones(4)) == 1.0
+    third = np.array([1.0 / 3.0, -1.0])  # 1/3 times 3 rounds to 1; fused, a remainder is left
+    assert maths.product(third, np.array([3.0, 1.0])) == 0.0
+
+
+def test_a_reciprocal_is_the_quotient_of_positive_numbers():
+    np.testing.assert_array_equal(maths.reciprocal(np.array([4.0, 3.0])), [0.25, 1.0 / 3.0])
+
+
 def test_leading_minors_are_the_determinants_of_the_leading_blocks():
     m = RNG.standard_normal((3, 3))
     expected = [np.linalg.det(m[:n, :n]) for n in (1, 2, 3)]

@@ -117,3 +117,17 @@ def test_a_known_acceleration_is_no_surprise():
 @pytest.mark.parametrize("block", [DIFFERENTIATOR, FILTER], ids=lambda b: b.name)
 def test_an_estimator_without_period_is_refused(block):
     assert refused(block, sample_period=np.array(0.0)) == ["sample_period must be positive"]
+
+
+@pytest.mark.parametrize("wrong", [
+    np.diag([1.0, 1.0, -1.0, 1.0, 1.0, 1.0]), np.zeros((6, 6)), np.full((6, 6), np.nan),
+    np.eye(6) + np.eye(6, k=1) * 1e-3,
+], ids=["negative", "zero", "nan", "asymmetric"])  # fmt: skip
+def test_a_start_that_is_no_covariance_is_refused(wrong):
+    message = "covariance must be symmetric and positive definite"
+    assert refused(FILTER, covariance=wrong) == [message]
+
+
+def test_a_covariance_of_very_unequal_units_is_accepted():
+    scales = np.diag([1e3, 1e3, 1e3, 1e-6, 1e-6, 1e-6])
+    assert refused(FILTER, covariance=scales @ (np.eye(6) + 0.5) @ scales) == []

@@ -13,7 +13,7 @@ Values = dict[str, np.ndarray]
 
 
 def random_value(rng: np.random.Generator, variable: Variable) -> np.ndarray:
-    """Near the start value; unit vectors stay unit vectors, limits are kept."""
+    """Near the start value; unit vectors and symmetric matrices stay such, limits are kept."""
     start = np.asarray(variable.start, dtype=float)
     if variable.type == "boolean":
         return rng.integers(0, 2, variable.shape).astype(float)
@@ -26,7 +26,10 @@ def random_value(rng: np.random.Generator, variable: Variable) -> np.ndarray:
             vector = start + 0.5 * rng.standard_normal(variable.shape)
             return vector / np.linalg.norm(vector, axis=-1, keepdims=True)
     scale = np.where(start == 0.0, 0.1, 0.05 * np.abs(start))
-    return np.clip(start + scale * rng.standard_normal(variable.shape),
+    noise = rng.standard_normal(variable.shape)
+    if len(variable.shape) == 2 and np.array_equal(start, start.T):
+        noise = 0.3 * (noise + noise.T)  # an inertia or a covariance
+    return np.clip(start + scale * noise,
                    variable.min, variable.max)  # fmt: skip
 
 

@@ -13,19 +13,13 @@ from .samples import acceptable, random_values
 
 STATE_KINDS = ("input", "parameter", "state", "discrete")
 EXACT = 1e-12  # of the largest element: the same operations, a few of them in another order
-AMPLIFIED = {  # how much more the block's own conditioning makes of a rounding
-    "LeastPropellantThrusterAllocation": 1e3,  # a linear programme: its matrix becomes singular
-    "NonNegativeThrusterAllocation": 1e2,  # the same, but strictly convex
-    "RelativeVelocityKalmanFilter": 1e4,  # innovation: small difference of large predictions
-}
 
 
 def close(
     native: Native, found: np.ndarray, expected: np.ndarray, scale: float = 1e-300
 ) -> bool:
     scale = np.max(np.abs(expected), initial=scale)
-    tolerance = EXACT * AMPLIFIED.get(native.model.block.name, 1.0)
-    return bool(np.all(np.abs(found - expected) <= tolerance * scale))
+    return bool(np.all(np.abs(found - expected) <= EXACT * scale))
 
 
 def settings(native: Native, period: float) -> dict[str, float]:

@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..declarations import Array, Scalar
+from .declarations import Array, Scalar
+from .maths import reciprocal
 
 
 class Factors(NamedTuple):
@@ -31,7 +32,7 @@ def factorise(matrix: Array, least_pivot: float = 0.0) -> Factors:
     for j in range(n):
         kept = rest[j, j] > least_pivot
         inverse.append(np.where(kept, 1.0 / np.where(kept, rest[j, j], 1.0), 0.0)
-                       if least_pivot > 0.0 else 1.0 / rest[j, j])
+                       if least_pivot > 0.0 else reciprocal(rest[j, j]))
         column = [rest[i, j] * inverse[j] for i in range(j + 1, n)]
         for k in range(j + 1, n):
             for i in range(k, n):
@@ -41,7 +42,7 @@ def factorise(matrix: Array, least_pivot: float = 0.0) -> Factors:
 
 
 def solve(factors: Factors, right: Array) -> Array:
-    """The solution of A x = right."""
+    """The solution of A x = right, for a vector or for each column of a matrix."""
     x = [right[i] for i in range(len(factors.inverse))]
     for j, column in enumerate(factors.lower):
         for i, entry in enumerate(column, start=j + 1):
