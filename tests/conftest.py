@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 
 import pytest
@@ -9,7 +10,9 @@ import pytest
 
 @pytest.fixture(scope="session", autouse=True)
 def fmu_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """SIGHTLINE_CACHE for the session."""
+    """SIGHTLINE_CACHE for the session, shared by its workers."""
+    own = tmp_path_factory.getbasetemp()
+    session = own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("SIGHTLINE_CACHE", str(tmp_path_factory.mktemp("cache")))
+        patch.setenv("SIGHTLINE_CACHE", str(session / "cache"))
         yield

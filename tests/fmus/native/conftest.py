@@ -53,12 +53,14 @@ def every_fmu(request: pytest.FixtureRequest, native: Builder) -> Native:
 
 
 SOME = (*OWN, "FreeRigidBody", "Gyro", "ThrusterCluster")
-PARAMS = [*((n, 2) for n in sorted(ALL)), *((n, 3) for n in SOME)]
+PARAMS = [pytest.param((n, v), id=f"{n}-{v}",
+                       marks=[] if v == 2 or n in SOME else [pytest.mark.external])
+          for n, v in EVERY]  # fmt: skip
 
 
-@pytest.fixture(params=PARAMS, ids=lambda p: f"{p[0]}-{p[1]}")
+@pytest.fixture(params=PARAMS)
 def block_fmu(request: pytest.FixtureRequest, native: Builder) -> Native:
-    """The FMU of every block, and of some in FMI 3.0 too: both stand on the same core."""
+    """The FMU of every block; in FMI 3.0 of some, and of all with the external tests."""
     return native(*request.param)
 
 
