@@ -55,9 +55,40 @@ class _Point(NamedTuple):
 
 
 def minimise(programme: Programme, steps: int) -> Array:
-    """F, strictly within its limits."""
-    point = repeat(_step, steps, programme, _start(programme))
-    return point.x[: programme.sensitivity.shape[1]]
+    """F, within its limits."""
+    return _refined(programme, repeat(_step, steps, programme, _start(programme)))
+
+
+def _refined(programme: Programme, point: _Point) -> Array:
+    """F with the remainder of U = B F + r taken away, in proportion to the distance from bounds.
+
+    Close to a solution where the matrix is singular, steps no longer reduce it.
+    """
+    (F, *upper), residual = _parts(programme, point.x)
+    share = np.minimum(F, upper[0]) if upper else F
+    scaled = programme.sensitivity * share
+    factors = _regularised(product(scaled, programme.sensitivity.T))
+    remainder = _remainder(programme, F, residual, point.y)
+    moved = np.maximum(F + product(scaled.T, solve(factors, remainder)), 0.0)
+    return moved if programme.limits is None else np.minimum(moved, programme.limits)
+
+
+def _parts(programme: Programme, values: Array) -> tuple[list[Array], list[Array]]:
+    """What belongs to F and limits - F, and to r+ and r-."""
+    m, n = programme.sensitivity.shape
+    bounds = 1 if programme.limits is None else 2
+    forces = [values[k * n : (k + 1) * n] for k in range(bounds)]
+    return forces, [] if programme.penalty is None else [values[-2 * m : -m], values[-m:]]
+
+
+def _remainder(programme: Programme, F: Array, residual: list[Array], y: Array) -> Array:
+    """U - B F - r."""
+    r = residual[0] - residual[1] if residual else y
+    return programme.wrench - product(programme.sensitivity, F) - r
+
+
+def _regularised(matrix: Array) -> Factors:
+    return factorise(matrix + REGULARISATION * np.trace(matrix) * np.eye(len(matrix)))
 
 
 def _start(programme: Programme) -> _Point:
@@ -102,47 +133,36 @@ class _Newton:
 
     def __init__(self, programme: Programme, point: _Point) -> None:
         x, s, y = point
-        B, m = programme.sensitivity, len(y)
-        self.m, self.n, self.B, self.programme = m, B.shape[1], B, programme
+        B = programme.sensitivity
+        self.B, self.programme = B, programme
         self.per_x, self.per_s = reciprocal(x), reciprocal(s)
-        (F, *_), residual = self._parts(x)
-        (multiplier, *upper), _ = self._parts(s)
-        ratios, _ = self._parts(s * self.per_x)
+        (F, *_), residual = _parts(programme, x)
+        (multiplier, *upper), _ = _parts(programme, s)
+        ratios, _ = _parts(programme, s * self.per_x)
         slope = multiplier + product(B.T, y) - programme.cost - programme.weight * F
         curvature = programme.weight + ratios[0]
         if upper:
             slope, curvature = slope - upper[0], curvature + ratios[1]
-        missing = programme.wrench - product(B, F)
+        diagonal = np.ones(len(y))
         if residual:
-            _, (self.p, self.q) = self._parts(x * self.per_s)
-            missing, diagonal = missing - residual[0] + residual[1], self.p + self.q
-        else:
-            missing, diagonal = missing - y, np.ones(m)
-        self.ratios, self.slope, self.missing = ratios, slope, missing
+            _, (self.p, self.q) = _parts(programme, x * self.per_s)
+            diagonal = self.p + self.q
+        self.ratios, self.slope = ratios, slope
+        self.remainder = _remainder(programme, F, residual, y)
         self.inverse = reciprocal(curvature)
         self.scaled = B * self.inverse
-        system = product(self.scaled, B.T) + np.diag(diagonal)
-        self.factors: Factors = factorise(system + REGULARISATION * np.trace(system) * np.eye(m))
-
-    def _parts(self, values: Array) -> tuple[list[Array], list[Array]]:
-        """What belongs to F and limits - F, and to r+ and r-."""
-        n, m = self.n, self.m
-        bounds = 1 if self.programme.limits is None else 2
-        forces = [values[k * n : (k + 1) * n] for k in range(bounds)]
-        if self.programme.penalty is None:
-            return forces, []
-        return forces, [values[-2 * m : -m], values[-m:]]
+        self.factors = _regularised(product(self.scaled, B.T) + np.diag(diagonal))
 
     def direction(self, target: Array) -> tuple[Array, Array, Array]:
         """Changes of x, s and y for a target of x ds + s dx."""
-        aims, _ = self._parts(target * self.per_x)
-        _, to = self._parts(target * self.per_s)
-        push, missing = self.slope + aims[0], self.missing
+        aims, _ = _parts(self.programme, target * self.per_x)
+        _, to = _parts(self.programme, target * self.per_s)
+        push, remainder = self.slope + aims[0], self.remainder
         if len(aims) > 1:
             push = push - aims[1]
         if to:
-            missing = missing - to[0] + to[1]
-        dy = solve(self.factors, missing - product(self.scaled, push))
+            remainder = remainder - to[0] + to[1]
+        dy = solve(self.factors, remainder - product(self.scaled, push))
         dF = self.inverse * (push + product(self.B.T, dy))
         dx = [dF, -dF][: len(aims)]
         ds = [aim - ratio * d for aim, ratio, d in zip(aims, self.ratios, dx, strict=True)]

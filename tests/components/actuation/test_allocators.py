@@ -70,6 +70,31 @@ def test_least_propellant_uses_no_more_than_a_linear_programme(wrench):
     assert used <= cheapest(wrench).fun + 1e-6
 
 
+def canted(angle):
+    """The default layout with each thruster of a pair turned to either side."""
+    directions = default_directions(12)
+    sideways = np.roll(directions, -1, axis=1) * np.tile([1.0, -1.0], 6)[:, None]
+    return np.cos(angle) * directions + np.sin(angle) * sideways
+
+
+@pytest.mark.parametrize("name", LIMITED)
+def test_wrenches_of_many_sizes_are_reached_by_a_canted_layout_with_a_thruster_lost(name):
+    rng, directions = np.random.default_rng(4), canted(np.pi / 6.0)
+    sensitivity = control_sensitivity(default_positions(12), directions, CENTER)
+    reached = 0
+    for k in range(60):  # some have an optimum close to which the programme is singular
+        wrench = 0.3 * rng.standard_normal(6) * 10.0 ** rng.uniform(-5.0, 0.0, 6)
+        healthy = np.where(np.arange(12) == k % 12, 0.0, 1.0)
+        best = linprog(EVERY, A_eq=sensitivity * healthy, b_eq=wrench, bounds=(0.0, 1.0))
+        if best.status == 0:
+            command = allocate(name, wrench, healthy=healthy, directions=directions,
+                               max_thrust=EVERY)["command"]
+            missing = np.linalg.norm((wrench - sensitivity @ command) / row_lengths(sensitivity))
+            assert missing <= 1e-10 * np.linalg.norm(wrench / row_lengths(sensitivity))
+            reached += 1
+    assert reached > 30
+
+
 @pytest.mark.parametrize("wrench", WRENCHES[:10])
 def test_least_propellant_weighs_by_specific_impulse(wrench):
     impulse = np.linspace(60.0, 300.0, 12)  # s
