@@ -3,9 +3,9 @@
 import numpy as np
 
 from ..component import Component
-from ..declarations import Array, Input, Output, Parameter, SamplePeriod, Scalar, State
+from ..declarations import DiscreteState, Input, Output, Parameter, SamplePeriod, State
 from ..maths import IDENTITY, cross, is_unit
-from .adaptive_tracking import attitude_error, inertia_regressor, inertia_times
+from .adaptive_tracking import inertia_times, learning_regressor, reference_rate
 
 
 class AdaptiveAttitudeController(Component):
@@ -17,7 +17,8 @@ class AdaptiveAttitudeController(Component):
 
     q̃ turns from the body to the desired body frame, the nearer of ±q̃. With `adaptation_gain` 0
     and the true inertia as start value it is the law for known inertia (15). The paper prints ω_r
-    without R(q̃); that converges too.
+    without R(q̃); that converges too. A sampled law learns from one tick to the next at the rate
+    of the first.
 
     Source: 6-DOF precision formation flying at L2 paper, eqs. (15)-(18).
     """
@@ -36,16 +37,22 @@ class AdaptiveAttitudeController(Component):
     sample_period = SamplePeriod()
     inertia_estimate = State(6, "kg.m2", (1.0, 1.0, 1.0, 0.0, 0.0, 0.0), frame="body",
                              output=True, doc="θ^_R = (H11, H22, H33, H23, H13, H12)")
+    sampled_regressor = DiscreteState(6, "rad2/s3", frame="body", doc="Γ_R^T s_R of the last tick")
 
     def derivatives(self, attitude, angular_velocity, desired_attitude, desired_angular_velocity,
-                    desired_angular_acceleration, error_gain, adaptation_gain):
-        ω_r, ω_r_rate = reference_rate(attitude, angular_velocity, desired_attitude,
-                                       desired_angular_velocity, desired_angular_acceleration,
-                                       error_gain)
-        s = angular_velocity - ω_r
-        regressor = inertia_regressor(ω_r_rate, s) + inertia_regressor(angular_velocity,
-                                                                       cross(s, ω_r))
+                    desired_angular_acceleration, error_gain, adaptation_gain, sample_period,
+                    sampled_regressor):
+        present = learning_regressor(attitude, angular_velocity, desired_attitude,
+                                     desired_angular_velocity, desired_angular_acceleration,
+                                     error_gain)
+        regressor = np.where(sample_period > 0.0, sampled_regressor, present)
         return {"inertia_estimate": -adaptation_gain * regressor}                      # (18)
+
+    def update(self, attitude, angular_velocity, desired_attitude, desired_angular_velocity,
+               desired_angular_acceleration, error_gain):
+        return {"sampled_regressor": learning_regressor(
+            attitude, angular_velocity, desired_attitude, desired_angular_velocity,
+            desired_angular_acceleration, error_gain)}
 
     def outputs(self, attitude, angular_velocity, desired_attitude, desired_angular_velocity,
                 desired_angular_acceleration, error_gain, metric_gain, inertia_estimate):
@@ -63,14 +70,3 @@ class AdaptiveAttitudeController(Component):
             "error_gain and metric_gain must be positive":
                 np.minimum(error_gain, metric_gain) > 0.0,
         }
-
-
-def reference_rate(attitude: Array, angular_velocity: Array, desired_attitude: Array,
-                   desired_angular_velocity: Array, desired_angular_acceleration: Array,
-                   error_gain: Scalar) -> tuple[Array, Array]:
-    """ω_r and its rate, in body components."""
-    error = attitude_error(attitude, angular_velocity, desired_attitude, desired_angular_velocity)
-    feedforward = error.in_body(desired_angular_acceleration) \
-        - cross(error.angular_velocity, error.desired_in_body)
-    return (error.desired_in_body - error_gain * error.quaternion[:3],
-            feedforward - error_gain * error.vector_rate)

@@ -2,6 +2,7 @@
 
 e = x - x_d,   s = e' + Λ_T e                                                      before (8)
 q̃ = q_d^-1 q,   ω̃ = ω - R(q̃)^T ω_d,   s_R = ω̃ + Λ_R ε̃                            before (15)
+ω_r = R(q̃)^T ω_d - Λ_R ε̃
 
 q̃ turns from the body to the desired body frame; of ±q̃ the one with a scalar part that is not
 negative is taken, so that the sign of an attitude does not matter and no turn exceeds 180 degrees.
@@ -71,6 +72,28 @@ def inertia_vector(inertia: Array) -> Array:
     """θ of an inertia matrix."""
     H = inertia
     return np.stack([H[0, 0], H[1, 1], H[2, 2], H[1, 2], H[0, 2], H[0, 1]])
+
+
+def learning_regressor(attitude: Array, angular_velocity: Array, desired_attitude: Array,
+                       desired_angular_velocity: Array, desired_angular_acceleration: Array,
+                       error_gain: Scalar) -> Array:
+    """Γ_R^T s_R of (17), (18)."""
+    ω_r, ω_r_rate = reference_rate(attitude, angular_velocity, desired_attitude,
+                                   desired_angular_velocity, desired_angular_acceleration,
+                                   error_gain)
+    s = angular_velocity - ω_r
+    return inertia_regressor(ω_r_rate, s) + inertia_regressor(angular_velocity, cross(s, ω_r))
+
+
+def reference_rate(attitude: Array, angular_velocity: Array, desired_attitude: Array,
+                   desired_angular_velocity: Array, desired_angular_acceleration: Array,
+                   error_gain: Scalar) -> tuple[Array, Array]:
+    """ω_r and its rate, in body components."""
+    error = attitude_error(attitude, angular_velocity, desired_attitude, desired_angular_velocity)
+    feedforward = error.in_body(desired_angular_acceleration) \
+        - cross(error.angular_velocity, error.desired_in_body)
+    return (error.desired_in_body - error_gain * error.quaternion[:3],
+            feedforward - error_gain * error.vector_rate)
 
 
 def to_rotating(vector: Array, angle: Scalar) -> Array:

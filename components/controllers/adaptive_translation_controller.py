@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..component import Component
-from ..declarations import Input, Output, Parameter, SamplePeriod, State
+from ..declarations import DiscreteState, Input, Output, Parameter, SamplePeriod, State
 from ..maths import IDENTITY, is_unit, rotate_inverse, small_rotation
 from .adaptive_tracking import to_inertial, to_rotating
 
@@ -21,7 +21,7 @@ class AdaptiveTranslationController(Component):
     still converges where x_d'' = 0.
 
     A held force turns with the body: with `hold_time` it is the right one in the middle of the
-    time for which it is held.
+    time for which it is held. A sampled law learns from one tick to the next by the s of the first.
 
     Source: 6-DOF precision formation flying at L2 paper, eqs. (5)-(13), (19).
     """
@@ -47,16 +47,23 @@ class AdaptiveTranslationController(Component):
     sample_period = SamplePeriod()
     inertial_estimate = State(3, "m/s2", frame="inertial", output=True, doc="θ^1")
     rotating_estimate = State(3, "m/s2", frame="rotating", output=True, doc="θ^2")
+    sampled_metric = DiscreteState(3, "m/s", frame="inertial", doc="s of the last tick")
 
     def derivatives(self, time, relative_position, relative_velocity, desired_position,
-                    desired_velocity, error_gain, adaptation_gain, orbit_rate, orbit_angle):
-        e = relative_position - desired_position
-        s = relative_velocity - desired_velocity + error_gain * e
+                    desired_velocity, error_gain, adaptation_gain, orbit_rate, orbit_angle,
+                    sample_period, sampled_metric):
+        e, e_rate = relative_position - desired_position, relative_velocity - desired_velocity
+        s = np.where(sample_period > 0.0, sampled_metric, e_rate + error_gain * e)
         return {
             "inertial_estimate": -adaptation_gain * s,                                   # (9)
             "rotating_estimate":
                 -adaptation_gain * to_rotating(s, orbit_angle + orbit_rate * time),      # (9)
         }
+
+    def update(self, relative_position, relative_velocity, desired_position, desired_velocity,
+               error_gain):
+        e, e_rate = relative_position - desired_position, relative_velocity - desired_velocity
+        return {"sampled_metric": e_rate + error_gain * e}
 
     def outputs(self, time, relative_position, relative_velocity, desired_position,
                 desired_velocity, desired_acceleration, attitude, angular_velocity, mass,

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..component import Component
-from ..declarations import Array, Input, Output, Parameter, State, Structure
+from ..declarations import Array, Condition, Input, Output, Parameter, State, Structure
 from ..maths import IDENTITY, cross, is_unit, quaternion_rate, rotate, unit
 from .rigid_rotation import inertia_requirements
 
@@ -15,6 +15,12 @@ def default_axes(wheels: int) -> Array:
     pyramid = np.array([[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0], [-1.0, -1.0, 1.0], [1.0, -1.0, 1.0]])
     layouts = {3: np.eye(3), 4: pyramid / np.sqrt(3.0)}
     return layouts.get(wheels, np.tile([0.0, 0.0, 1.0], (wheels, 1)))
+
+
+def axes_requirement(wheel_axes: Array) -> dict[str, Condition]:
+    """The requirement that each axis has length 1."""
+    lengths = np.sqrt(np.sum(wheel_axes * wheel_axes, axis=1))
+    return {"each row of wheel_axes must be a unit vector": np.max(np.abs(lengths - 1.0)) <= UNIT}
 
 
 class RigidBodyWithWheels(Component):
@@ -75,9 +81,8 @@ class RigidBodyWithWheels(Component):
         return {"attitude": unit(attitude)}
 
     def requirements(self, attitude, inertia, wheel_axes):
-        lengths = np.sqrt(np.sum(wheel_axes * wheel_axes, axis=1))
         return {
             **inertia_requirements(inertia),
+            **axes_requirement(wheel_axes),
             "attitude must be a unit quaternion": is_unit(attitude),
-            "each row of wheel_axes must be a unit vector": np.max(np.abs(lengths - 1.0)) <= UNIT,
         }

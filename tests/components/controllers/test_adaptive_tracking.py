@@ -50,7 +50,7 @@ def watch_translation(x):
                    rotating_disturbance=θ2)
 
 
-def turn(times, adaptation_gain, estimate):
+def turn(times, adaptation_gain, estimate, attitude=TURNED, spin=SPIN):
     """States of a body that should come to rest at the identity: q, ω, θ^_R."""
 
     def rate(_, x):
@@ -61,7 +61,7 @@ def turn(times, adaptation_gain, estimate):
                                angular_acceleration(INERTIA, x[4:7], torque),
                                learning["inertia_estimate"]])
 
-    x0 = np.concatenate([TURNED, SPIN, estimate])
+    x0 = np.concatenate([attitude, spin, estimate])
     return solve_ivp(rate, (0.0, times[-1]), x0, "DOP853", rtol=1e-11, atol=1e-14,
                      t_eval=times).y.T
 
@@ -107,6 +107,38 @@ def test_a_force_held_in_a_turning_body_is_right_in_the_middle_of_the_hold():
     np.testing.assert_allclose(rotate(middle, held), u, rtol=1e-6)  # (½ h ω)³/12
 
 
+def sampled_translation(period, ticks):
+    """States at the ticks of a law sampled with this period, under constant θ1: x, x', θ^1."""
+    x, v, learnt, rows = np.array([0.1, -0.2, 0.05]), np.zeros(3), np.zeros(3), []
+    for _ in range(ticks):
+        known = {"relative_position": x, "relative_velocity": v, "inertial_estimate": learnt,
+                 "sample_period": np.array(period), "orbit_rate": np.array(0.0)}
+        held = TRANSLATION.evaluate("update", TRANSLATION.start_values() | known)
+        a = outputs(TRANSLATION, **known)["acceleration"] - θ1
+        learnt = learnt + period * derivatives(TRANSLATION, **known, **held)["inertial_estimate"]
+        x, v = x + period * v + 0.5 * period**2 * a, v + period * a
+        rows.append(np.concatenate([x, v, learnt]))
+    return np.array(rows)
+
+
+def test_a_sampled_translation_law_converges_and_learns_the_disturbance():
+    last = sampled_translation(period=20.0, ticks=4000)[-1]
+    assert np.linalg.norm(last[:3]) < 1e-9
+
+
+@pytest.mark.parametrize(("block", "estimate"), [(TRANSLATION, "inertial_estimate"),
+                                                 (ATTITUDE, "inertia_estimate")])
+def test_a_sampled_law_learns_at_the_rate_of_the_last_tick_whatever_happens_since(block, estimate):
+    then = {name: np.array(value) for name, value in (
+        ("relative_position", [0.3, -0.1, 0.2]), ("angular_velocity", SPIN), ("attitude", TURNED),
+    ) if name in block.quantities}
+    period = {"sample_period": np.array(0.5)}
+    held = block.evaluate("update", block.start_values() | period | then)
+    since = derivatives(block, **period, **held)
+    np.testing.assert_array_equal(since[estimate], derivatives(block, **then)[estimate])
+    assert np.all(np.abs(since[estimate][:3]) > 0.0)
+
+
 @pytest.mark.parametrize("gain", [1e9, 0.0])
 def test_the_lyapunov_function_of_rotation_falls_at_its_rate(gain):
     estimate = at.inertia_vector(INERTIA) * (1.0 if gain == 0.0 else 0.7)
@@ -116,6 +148,16 @@ def test_the_lyapunov_function_of_rotation_falls_at_its_rate(gain):
     assert np.all(rate < 0.0)
     # the samples of every 0.25 s resolve the learning to 1e-4
     np.testing.assert_allclose(slope, rate, rtol=0.0, atol=2e-4 * np.max(np.abs(rate)))
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_body_at_rest_turns_the_short_way_whatever_the_sign_of_its_quaternion(sign):
+    times = np.arange(0.0, 2000.0, 1.0)
+    x = turn(times, 1e9, at.inertia_vector(INERTIA), sign * TURNED, np.zeros(3))
+    angle = Rotation.from_quat(TURNED).magnitude()
+    turned = np.trapezoid(np.linalg.norm(x[:, 4:7], axis=1), times)
+    assert np.linalg.norm(x[-1, :3]) < 1e-5  # arrived, but for the slow tail of the learning
+    assert turned == pytest.approx(angle, rel=0.05)  # unwinding would turn 2π less the angle
 
 
 def test_the_sign_of_a_quaternion_does_not_matter():
