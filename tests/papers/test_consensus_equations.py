@@ -174,7 +174,7 @@ def test_a_ring_of_five_reaches_consensus_from_attitudes_on_one_side():
     assert watch(x, RING)["relative_angle"] < 1e-3
 
 
-def test_a_ring_of_five_may_stay_twisted():
+def test_a_ring_of_five_may_stay_twisted_with_the_nearer_sign():
     x = fly(GROUP, RING, NEARER, 200.0)(200.0)  # the theorem's consensus is not global
     assert watch(x, RING)["relative_angle"] > 2.0 * np.pi / 5.0
 
