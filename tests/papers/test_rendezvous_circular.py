@@ -14,17 +14,17 @@ EXAMPLE = Path(__file__).parents[2] / "examples" / "rendezvous_circular" / "syst
 ERRORS = {600: 960.2, 3600: 48.25, 7200: 1.362, 10800: 0.0393}  # computed by DOP853: s -> m
 
 
-def fly(folder: Path, step: float) -> Results:
+def variant(folder: Path, *lines: str) -> Results:
+    """The run of the example's config with other settings."""
     config = folder / "variant.toml"
-    config.write_text(f"extends = '{EXAMPLE}'\n[simulation]\nstop_time = 600.0\nstep = {step}\n",
-                      encoding="utf-8")
-    return System.from_toml(config).run(folder)
+    config.write_text("\n".join([f"extends = '{EXAMPLE}'", *lines]), encoding="utf-8")
+    return System.from_toml(config).simulate(folder)
 
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory: pytest.TempPathFactory) -> Results:
     """The run that the example's config describes: 3 h at 1 s."""
-    return System.from_toml(EXAMPLE).run(tmp_path_factory.mktemp("rendezvous"))
+    return System.from_toml(EXAMPLE).simulate(tmp_path_factory.mktemp("rendezvous"))
 
 
 @pytest.mark.parametrize("time", ERRORS)
@@ -38,9 +38,22 @@ def test_the_peak_force_is_the_computed_one(results: Results) -> None:
     assert peak == pytest.approx(0.1732, rel=1e-3)
 
 
+def test_the_velocity_change_is_the_computed_one(results: Results) -> None:
+    effort = np.linalg.norm(results["control.lvlh_force"], axis=1)
+    coarse = np.trapezoid(effort, results.time)  # as the table's, of samples every 10 s
+    assert coarse == pytest.approx(8.530, rel=1e-3)
+
+
+def test_the_velocity_change_is_the_integral_of_the_acceleration(tmp_path: Path) -> None:
+    run = variant(tmp_path, "[record]", "every = 1.0")
+    effort = np.linalg.norm(run["control.lvlh_force"], axis=1)
+    assert np.trapezoid(effort, run.time) == pytest.approx(8.3894, rel=1e-3)
+
+
 def test_halving_the_step_divides_the_error_by_eight(tmp_path: Path) -> None:
     truth = 960.2049954  # m at 600 s, by DOP853
-    errors = np.array([fly(tmp_path, step)["monitor.position_error"][-1]
+    errors = np.array([variant(tmp_path, "[simulation]", "stop_time = 600.0",
+                               f"step = {step}")["monitor.position_error"][-1]
                        for step in (5.0, 2.5, 1.25)]) - truth
     np.testing.assert_allclose(errors[:-1] / errors[1:], 8.0, rtol=0.1)  # third order
 
