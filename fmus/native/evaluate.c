@@ -27,12 +27,13 @@ static bool evaluate_outputs(Instance *self, const double *noise)
 {
     if (!N_OUTPUTS)
         return true;
-    model_outputs(self->s.v, noise, self->fresh);
-    if (!all_finite(self->fresh, N_OUTPUTS)) {
-        name_not_finite(self, self->fresh, N_OUTPUTS, OUTPUTS);
+    double fresh[SOME(N_OUTPUTS)];
+    model_outputs(self->s.v, noise, fresh);
+    if (!all_finite(fresh, N_OUTPUTS)) {
+        name_not_finite(self, fresh, N_OUTPUTS, OUTPUTS);
         return false;
     }
-    memcpy(self->s.v + OUTPUTS, self->fresh, N_OUTPUTS * sizeof(double));
+    memcpy(self->s.v + OUTPUTS, fresh, N_OUTPUTS * sizeof(double));
     return true;
 }
 
@@ -71,13 +72,13 @@ bool refresh_rates(Instance *self)
 {
     if (!N_STATES)
         return true;
-    double *v = self->s.v;
-    model_derivatives(v[0], v, v + STATES, self->k[0]);
-    if (!all_finite(self->k[0], N_STATES)) {
-        name_not_finite(self, self->k[0], N_STATES, DERIVATIVES);
+    double *v = self->s.v, rates[SOME(N_STATES)];
+    model_derivatives(v[0], v, v + STATES, rates);
+    if (!all_finite(rates, N_STATES)) {
+        name_not_finite(self, rates, N_STATES, DERIVATIVES);
         return false;
     }
-    memcpy(v + DERIVATIVES, self->k[0], N_STATES * sizeof(double));
+    memcpy(v + DERIVATIVES, rates, N_STATES * sizeof(double));
     self->s.stale &= ~RATES_STALE;
     return true;
 }

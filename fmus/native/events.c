@@ -38,22 +38,23 @@ bool enter_event_mode(Instance *self)
     return !CHECKED_AT_STEPS || requirements_hold(self);
 }
 
-/* States moved back to their manifold, if they have drifted from it. */
-static bool project_states(Instance *self)
+/* States moved back to their manifold, and whether they had drifted from it. */
+static bool project_states(Instance *self, double *moved)
 {
     if (!HAS_PROJECT)
         return false;
     double *x = self->s.v + STATES;
-    model_project(self->s.v[0], self->s.v, x, self->moved);
+    model_project(self->s.v[0], self->s.v, x, moved);
     bool drifted = false;
     for (int i = 0; i < N_STATES; i++)
-        drifted |= fabs(self->moved[i] - x[i]) > PROJECTION_TOLERANCE * fmax(1.0, fabs(x[i]));
+        drifted |= fabs(moved[i] - x[i]) > PROJECTION_TOLERANCE * fmax(1.0, fabs(x[i]));
     return drifted;
 }
 
 bool completed_step(Instance *self, bool *event)
 {
-    *event = project_states(self);
+    double moved[SOME(N_STATES)];
+    *event = project_states(self, moved);
     return !CHECKED_AT_STEPS || requirements_hold(self);
 }
 
@@ -66,9 +67,10 @@ bool update_discrete_states(Instance *self, EventUpdate *update)
             return false;
         self->s.pending = tick_is_due(self);
     }
-    update->values_changed = project_states(self);
+    double moved[SOME(N_STATES)];
+    update->values_changed = project_states(self, moved);
     if (update->values_changed) {
-        memcpy(self->s.v + STATES, self->moved, N_STATES * sizeof(double));
+        memcpy(self->s.v + STATES, moved, N_STATES * sizeof(double));
         self->s.stale = ALL_STALE;
     }
     update->again = self->s.pending;

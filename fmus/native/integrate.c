@@ -6,6 +6,7 @@
 #include <math.h>
 
 enum { RK4 = 1 };
+typedef double Rates[SOME(N_STATES)];
 
 static const double NODES[7] = {0.0, 1.0 / 5, 3.0 / 10, 4.0 / 5, 8.0 / 9, 1.0, 1.0};
 static const double STAGES[7][6] = {
@@ -38,13 +39,14 @@ static inline void rate(Instance *self, double t, const double *x, double *k)
 }
 
 /* Take the new states unless they are not finite: then say which rate or state. */
-static bool accept(Instance *self, double t, const double *x, int stages)
+static bool accept(Instance *self, double t, const double *x, Rates *k, int stages)
 {
+    double moved[SOME(N_STATES)];
     const double *taken = x;
     bool good = all_finite(x, N_STATES);
     if (good && HAS_PROJECT) {
-        model_project(t, self->s.v, x, self->moved);
-        taken = self->moved;
+        model_project(t, self->s.v, x, moved);
+        taken = moved;
         good = all_finite(taken, N_STATES);
     }
     if (good) {
@@ -52,7 +54,7 @@ static bool accept(Instance *self, double t, const double *x, int stages)
         return true;
     }
     for (int i = 0; i < stages; i++)
-        if (name_not_finite(self, self->k[i], N_STATES, DERIVATIVES))
+        if (name_not_finite(self, k[i], N_STATES, DERIVATIVES))
             return false;
     name_not_finite(self, taken, N_STATES, STATES);
     return false;
@@ -61,8 +63,7 @@ static bool accept(Instance *self, double t, const double *x, int stages)
 static bool rk4(Instance *self, double t, double h)
 {
     const double *x = self->s.v + STATES;
-    double *restrict stage = self->stage;
-    double(*restrict k)[SOME(N_STATES)] = self->k;
+    Rates k[4], stage;
     const double count = fmax(1.0, ceil(h / self->s.v[SOLVER_STEP] - 1e-9));
     const double dt = h / count, half = 0.5 * dt, sixth = dt / 6.0;
     for (double i = 0.0; i < count; i += 1.0) {
@@ -79,14 +80,15 @@ static bool rk4(Instance *self, double t, double h)
         rate(self, s + dt, stage, k[3]);
         for (int j = 0; j < N_STATES; j++)
             stage[j] = x[j] + sixth * (k[0][j] + 2.0 * k[1][j] + 2.0 * k[2][j] + k[3][j]);
-        if (!accept(self, s + dt, stage, 4))
+        if (!accept(self, s + dt, stage, k, 4))
             return false;
     }
     return true;
 }
 
 /* One trial step from t to t + dt: the new states in `stage`; returns the norm of the error. */
-static double trial_step(Instance *self, double t, double dt, bool first_rate_known)
+static double trial_step(Instance *self, double t, double dt, bool first_rate_known, Rates *k,
+                         double *stage)
 {
     const double *x = self->s.v + STATES;
     const double relative = self->s.v[RELATIVE_TOLERANCE];
@@ -95,26 +97,26 @@ static double trial_step(Instance *self, double t, double dt, bool first_rate_kn
         for (int j = 0; j < N_STATES; j++) {
             double value = x[j];
             for (int i = 0; i < s; i++)
-                value += dt * STAGES[s][i] * self->k[i][j];
-            self->stage[j] = value;
+                value += dt * STAGES[s][i] * k[i][j];
+            stage[j] = value;
         }
-        rate(self, t + NODES[s] * dt, self->stage, self->k[s]);
+        rate(self, t + NODES[s] * dt, stage, k[s]);
     }
     double sum = 0.0;
     for (int j = 0; j < N_STATES; j++) {
         double error = 0.0;
         for (int i = 0; i < 7; i++)
-            error += dt * ERROR_WEIGHTS[i] * self->k[i][j];
-        error /= absolute + relative * fmax(fabs(x[j]), fabs(self->stage[j]));
+            error += dt * ERROR_WEIGHTS[i] * k[i][j];
+        error /= absolute + relative * fmax(fabs(x[j]), fabs(stage[j]));
         sum += error * error;
     }
     return sqrt(sum / SOME(N_STATES));
 }
 
-static bool underflow(Instance *self, double t, double dt)
+static bool underflow(Instance *self, double t, double dt, Rates *k)
 {
     for (int i = 0; i < 7; i++)
-        if (name_not_finite(self, self->k[i], N_STATES, DERIVATIVES))
+        if (name_not_finite(self, k[i], N_STATES, DERIVATIVES))
             return false;
     report(self, STATUS_ERROR, "tolerances cannot be met: step size %.3g s at %.9g s", dt, t);
     return false;
@@ -123,20 +125,21 @@ static bool underflow(Instance *self, double t, double dt)
 static bool dormand_prince(Instance *self, double t, double h)
 {
     const double end = t + h;
+    Rates k[7] = {{0.0}}, stage;
     bool rejected = false;
     while (t < end) {
         const double smallest = 1e-14 * fmax(fabs(t), 1e-3);
         const bool cut = t + self->s.proposal >= end;
         const double dt = cut ? end - t : self->s.proposal;
         if (!cut && !(dt > smallest))
-            return underflow(self, t, dt);
-        const double norm = trial_step(self, t, dt, rejected);
+            return underflow(self, t, dt, k);
+        const double norm = trial_step(self, t, dt, rejected, k, stage);
         const double wish = norm == 0.0 ? GROW : SAFETY * pow(norm, -0.2);
         const double factor = fmin(GROW, fmax(SHRINK, wish));
         if (norm <= 1.0) {
             const double next = dt * (rejected ? fmin(factor, 1.0) : factor);
             t = cut ? end : t + dt;
-            if (!accept(self, t, self->stage, 7))
+            if (!accept(self, t, stage, k, 7))
                 return false;
             self->s.proposal = cut ? fmax(self->s.proposal, next) : next;
             rejected = false;
@@ -144,7 +147,7 @@ static bool dormand_prince(Instance *self, double t, double h)
             self->s.proposal = dt * fmin(factor, 1.0);
             rejected = true;
             if (!isfinite(norm) || self->s.proposal < smallest)
-                return underflow(self, t, self->s.proposal);
+                return underflow(self, t, self->s.proposal, k);
         }
     }
     return true;

@@ -90,8 +90,7 @@ bool directional_derivative(Instance *self, const uint32_t *unknowns, size_t n_u
     const Variables u = {unknowns, n_unknowns}, k = {knowns, n_knowns};
     if (!sizes_fit(self, u, k, n_result, n_seed))
         return false;
-    double *d = self->tangent;
-    memset(d, 0, sizeof self->tangent);
+    double d[N_VALUES] = {0.0};
     scatter(k, seed, d);
     if (wanted(u, OUTPUT) && outputs_act(self)) {
         if ((self->s.stale & OUTPUTS_STALE) && !refresh_outputs(self))
@@ -111,10 +110,9 @@ bool adjoint_derivative(Instance *self, const uint32_t *unknowns, size_t n_unkno
     const Variables u = {unknowns, n_unknowns}, k = {knowns, n_knowns};
     if (!sizes_fit(self, u, k, n_seed, n_result))
         return false;
-    double *bar = self->tangent, *sum = self->adjoint;
-    memset(bar, 0, sizeof self->tangent);
+    double bar[N_VALUES] = {0.0}, sum[N_VALUES];
     scatter(u, seed, bar);
-    memcpy(sum, bar, sizeof self->adjoint); /* outputs that are states: the identity */
+    memcpy(sum, bar, sizeof sum); /* outputs that are states: the identity */
     if (wanted(u, OUTPUT) && outputs_act(self)) {
         if ((self->s.stale & OUTPUTS_STALE) && !refresh_outputs(self))
             return false;

@@ -1,6 +1,6 @@
 """One allocation of a random wrench to twelve thrusters: native FMUs, and scipy's solvers.
 
-Run: python tests/benchmarks/allocation.py
+Run from the project's folder: python -m tests.benchmarks.allocation
 """
 
 from __future__ import annotations

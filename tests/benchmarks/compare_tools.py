@@ -1,12 +1,13 @@
-"""Example 5.1 at 10 ms for 200 s, from the same native FMU files, in several tools side by side.
+"""Example 5.1 at 1 ms, from the same native FMU files, in several tools side by side.
 
 Run from the project's folder: python -m tests.benchmarks.compare_tools [ROUNDS]
-Only stepping is timed, with no results recorded. Needs libcosimpy and ecospy.
+Only stepping is timed. Sightline and the loop in C record all outputs every 0.1 s, Sightline into
+its file; the other tools record nothing. Needs libcosimpy and ecospy.
 """
 
 from __future__ import annotations
 
-import statistics
+import ctypes
 import sys
 import tempfile
 import time
@@ -14,31 +15,57 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
+import numpy as np
 from rich.console import Console
-from rich.table import Table
+
+from sightline.orchestrator.compiled import CompiledStepper
+from sightline.orchestrator.log import RunLog
+from sightline.orchestrator.starting import start, stepper_class
 
 from ..external.formation import Formation, formation
 from ..external.tools import FmpyLoop, done, ecos_simulation, libcosim_execution
+from .c_loop import CLoop
+from .rounds import Timing, table, timed
 
-STEP, STOP = 0.01, 200.0  # s
-COUNT = round(STOP / STEP)
-Timing = Callable[[], float]
+STEP, RECORD = 0.001, 0.1  # s
+COUNT = 200_000  # steps of what is fast: 200 s
+SHORT = 10_000  # steps of what is slow
 
 
-def seconds(action: Callable[[], object]) -> float:
-    """How long an action takes."""
+def microseconds(action: Callable[[], object], count: int) -> float:
+    """What each of so many steps takes."""
     began = time.perf_counter()
     action()
-    return time.perf_counter() - began
+    return (time.perf_counter() - began) / count * 1e6
+
+
+@contextmanager
+def c_loop(folder: Path) -> Iterator[Timing]:
+    """The same calls as our Gauss-Seidel makes, written out in C."""
+    own = folder / "c"
+    own.mkdir()
+    system = formation(own, STEP, COUNT * STEP, "gauss-seidel", RECORD).system
+    rows = np.empty(((COUNT // 100 + 1), len(system.plan.recorded)))
+    pointer = rows.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
+
+    def run() -> float:
+        with ExitStack() as stack:
+            simulation = system.loaded.config.simulation
+            stepper, _ = start(system.graph, system.plan, simulation, RunLog(None), stack)
+            loop = CLoop(stepper, own)
+            return microseconds(lambda: loop.run(COUNT, round(RECORD / STEP), pointer), COUNT)
+
+    yield run
 
 
 @contextmanager
 def ours(algorithm: str, folder: Path) -> Iterator[Timing]:
-    """Our orchestrator, whichever stepper it takes."""
+    """Our orchestrator's compiled loop."""
+    assert stepper_class() is CompiledStepper, "the compiled loop was not built"
     own = folder / algorithm
     own.mkdir()
-    system = formation(own, STEP, STOP, algorithm, record=STOP).system
-    yield lambda: system.execute(own / "run").seconds
+    system = formation(own, STEP, COUNT * STEP, algorithm, RECORD).system
+    yield lambda: system.execute(own / "run").seconds / COUNT * 1e6
 
 
 @contextmanager
@@ -48,7 +75,7 @@ def libcosim(system: Formation) -> Iterator[Timing]:
     def run() -> float:
         with libcosim_execution(system, STEP) as (execution, _):
             done(execution.step(1))
-            return seconds(lambda: done(execution.step(COUNT - 1)))
+            return microseconds(lambda: done(execution.step(SHORT)), SHORT)
 
     yield run
 
@@ -59,7 +86,7 @@ def ecos(system: Formation) -> Iterator[Timing]:
 
     def run() -> float:
         with ecos_simulation(system, STEP) as simulation:
-            return seconds(lambda: simulation.step(COUNT))
+            return microseconds(lambda: simulation.step(SHORT), SHORT)
 
     yield run
 
@@ -71,7 +98,7 @@ def fmpy(system: Formation) -> Iterator[Timing]:
     def run() -> float:
         with ExitStack() as stack:
             loop = FmpyLoop(system, STEP, stack)
-            return seconds(lambda: loop.advance(COUNT))
+            return microseconds(lambda: loop.advance(SHORT), SHORT)
 
     yield run
 
@@ -80,27 +107,18 @@ def main(rounds: int) -> None:
     """Print the table."""
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        system = formation(folder, STEP, STOP)
-        timings = {
+        system = formation(folder, STEP, COUNT * STEP)
+        tools = {
+            "C loop": c_loop(folder),
+            "Sightline": ours("gauss-seidel", folder),
             "Sightline, Jacobi": ours("jacobi", folder),
-            "Sightline, Gauss-Seidel": ours("gauss-seidel", folder),
             "libcosim": libcosim(system),
             "Ecos": ecos(system),
             "FMPy loop": fmpy(system),
         }
-        timed = {name: stack.enter_context(timing) for name, timing in timings.items()}
-        taken: dict[str, list[float]] = {name: [] for name in timed}
-        for _ in range(rounds):
-            for name, timing in timed.items():
-                taken[name].append(timing())
-    table = Table(title=f"example 5.1, {len(system.fmus)} FMUs, {COUNT} steps, {rounds} rounds")
-    for heading in ("tool", "s", "us per step", "ratio"):
-        table.add_column(heading, justify="left" if heading == "tool" else "right")
-    medians = {name: statistics.median(values) for name, values in taken.items()}
-    for name, median in medians.items():
-        ratio = median / medians["Sightline, Jacobi"]
-        table.add_row(name, f"{median:.3f}", f"{median / COUNT * 1e6:.1f}", f"{ratio:.2f}")
-    Console().print(table)
+        found = timed({n: stack.enter_context(tool) for n, tool in tools.items()}, rounds)
+    title = f"example 5.1, {len(system.fmus)} FMUs, 1 ms, {rounds} rounds"
+    Console().print(table(title, "µs per step", found, "C loop"))
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Microseconds per FMU step of example los_formation, Python and native FMUs side by side.
 
-Run: python tests/benchmarks/los_formation.py
+Run from the project's folder: python -m tests.benchmarks.los_formation
 """
 
 from __future__ import annotations

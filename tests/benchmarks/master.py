@@ -1,22 +1,19 @@
-"""Microseconds per communication step: Python stepper, compiled stepper, a loop written in C.
+"""Microseconds per communication step: a loop written in C, both steppers, a whole run.
 
-Run: python tests/benchmarks/master.py
-
-All three run the same FMUs from the same start, in turn; medians of several rounds.
+Run from the project's folder: python -m tests.benchmarks.master
+All run the same FMUs from the same start.
 """
 
 from __future__ import annotations
 
 import ctypes
-import statistics
 import tempfile
 import time
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 
 import numpy as np
-import ring
-from c_loop import CLoop
 from rich.console import Console
 from rich.table import Table
 
@@ -26,8 +23,14 @@ from sightline.orchestrator.starting import load
 from sightline.orchestrator.stepper import PythonStepper, Stepper
 from sightline.orchestrator.system import System
 
+from . import ring
+from .c_loop import CLoop
+from .rounds import table, timed
+
 EXAMPLE = Path(__file__).parents[2] / "examples" / "los_formation" / "system.toml"
 ROUNDS = 7
+C_LOOP, COMPILED, PYTHON = "C loop", "compiled stepper", "Python stepper"
+WHOLE = "whole run: results file, progress, Ctrl-C"
 PYTHON_SHARE = 50  # the Python stepper takes this many times fewer steps
 
 
@@ -58,40 +61,40 @@ def measure(system: System, name: str, folder: Path) -> tuple[float, np.ndarray]
     config = system.loaded.config
     steps, stride = config.simulation.steps, config.record_stride
     with ExitStack() as stack:
-        kind = PythonStepper if name == "Python stepper" else CompiledStepper
+        kind = PythonStepper if name == PYTHON else CompiledStepper
         stepper = started(system, kind, stack)
         rows = np.zeros((steps // stride + 1, len(system.plan.recorded)))
-        if name == "C loop":
+        if name == C_LOOP:
             loop = CLoop(stepper, folder)
             pointer = rows.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
             began = time.perf_counter()
             loop.run(steps, stride, pointer)
         else:
-            if name == "Python stepper":
+            if name == PYTHON:
                 steps //= PYTHON_SHARE
             began = time.perf_counter()
             stepper.advance(0, steps, stride, rows)
         return (time.perf_counter() - began) / steps * 1e6, rows
 
 
+def whole(system: System, folder: Path) -> float:
+    """Microseconds per step of a run as users have it."""
+    statistics = system.execute(folder / "out", lambda _: None)
+    return statistics.seconds / statistics.steps * 1e6
+
+
 def compare(title: str, system: System, folder: Path) -> Table:
-    """All three, in turn."""
-    names = ("C loop", "compiled stepper", "Python stepper")
-    times: dict[str, list[float]] = {n: [] for n in names}
-    for _ in range(ROUNDS):
-        rows = {}
-        for name in names:
-            spent, rows[name] = measure(system, name, folder)
-            times[name].append(spent)
-        assert np.array_equal(rows["C loop"], rows["compiled stepper"])
-    table = Table(title=title, title_justify="left")
-    for heading in ("", "us per communication step", "ratio", "fastest"):
-        table.add_column(heading, justify="left" if not heading else "right")
-    reference = statistics.median(times["C loop"])
-    for name, found in times.items():
-        median = statistics.median(found)
-        table.add_row(name, f"{median:.3f}", f"{median / reference:.2f}", f"{min(found):.3f}")
-    return table
+    """All, in turn."""
+    rows: dict[str, np.ndarray] = {}
+
+    def timing(name: str) -> float:
+        spent, rows[name] = measure(system, name, folder)
+        return spent
+
+    timings = {n: partial(timing, n) for n in (C_LOOP, COMPILED, PYTHON)}
+    found = timed({**timings, WHOLE: partial(whole, system, folder)}, ROUNDS)
+    assert np.array_equal(rows[C_LOOP], rows[COMPILED])
+    return table(title, "µs per step", found, C_LOOP)
 
 
 def main() -> None:

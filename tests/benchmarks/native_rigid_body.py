@@ -1,6 +1,6 @@
 """The rigid body's RK4 step: native FMU, hand-written C, pythonfmu; build times and sizes.
 
-Run: python tests/benchmarks/native_rigid_body.py
+Run from the project's folder: python -m tests.benchmarks.native_rigid_body
 """
 
 from __future__ import annotations
