@@ -79,6 +79,8 @@ def _units(root: ET.Element, model: Model) -> None:
             attributes = {n: str(p) for n, p in found.exponents.items()}
             if found.factor != 1.0:
                 attributes["factor"] = repr(found.factor)
+            if found.offset != 0.0:
+                attributes["offset"] = repr(found.offset)
             ET.SubElement(node, "BaseUnit", attributes)
 
 

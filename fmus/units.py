@@ -1,13 +1,15 @@
 """Units in FMI terms: exponents of the base units, factor, and the name of the quantity.
 
 Spelling: factors joined by ``.``, divisors by ``/``, integer exponents appended (``kg.m2``,
-``m/s2``), square roots as ``sqrt(Hz)``. The radian counts as a base unit, as in FMI.
+``m/s2``), square roots as ``sqrt(Hz)`` or ``√Hz``. The radian counts as a base unit, as in FMI.
 """
 
 from __future__ import annotations
 
 import logging
+import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -25,40 +27,54 @@ QUANTITIES = {
 }  # fmt: skip
 
 
+LETTERS = "A-Za-zµμ°_"
+SPELLED = re.compile(rf"[{LETTERS}0-9./*^() -]+")  # pint's parser drops other characters
+
+
 class UnitError(ValueError):
     """A unit is not understood."""
 
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit as FMI defines it: ``value_in_base = factor * value``.
-
-    ``exponents`` is None where FMI has no form for it (fractional exponents): such a unit is
-    declared by name only.
-    """
+    """A unit by its base units: ``value_in_base = factor * value + offset``."""
 
     name: str
-    exponents: dict[str, int] | None
+    powers: Mapping[str, float]
     factor: float
+    offset: float = 0.0
+
+    @property
+    def exponents(self) -> dict[str, int] | None:
+        """What FMI defines a unit by; None for fractional exponents, declared by name only."""
+        if any(p != int(p) for p in self.powers.values()):
+            return None
+        return {n: int(p) for n, p in self.powers.items()}
 
 
 @cache
 def unit(name: str) -> Unit:
-    """The FMI form of a unit. Raises UnitError if it is not a unit."""
+    """What a unit means. Raises UnitError if it is not a unit."""
     if name == "1":
         return Unit(name, {}, 1.0)
-    text = re.sub(r"sqrt\((.*?)\)", r"(\1)**0.5", name)
-    text = re.sub(r"([A-Za-zµ°]+)(-?\d+)", r"\1**\2", text)
-    text = re.sub(r"\.(?!\d)", "*", text)
+    text = re.sub(rf"(?:sqrt|√)\((.*?)\)|√([{LETTERS}]+)", r"((\1\2)**0.5)", name)
+    text = re.sub(rf"([{LETTERS}]+)(-?[1-9]\d*)", r"\1**\2", text)
+    text = re.sub(r"\.(?!\d)", "*", text).replace("%", "percent")
+    text = re.sub(r"(?<![\w.])(\d+)(?![\w.])", r"\1.0", text)  # 10^10^10 overflows at once
+    if not SPELLED.fullmatch(text):
+        raise UnitError(f"{name!r} is not a unit")
     try:
         factor, base = _registry().get_base_units(text)
-        powers = {BASE_UNITS[n]: p for n, p in base._units.items()}
+        found = {BASE_UNITS[n]: float(p) for n, p in base._units.items()}
+        temperature = found == {"K": 1.0}
+        zero = _registry().Quantity(0.0, text).to_base_units().magnitude if temperature else 0.0
     except Exception as error:  # pint raises many kinds, and Python's parser shows through it
-        raise UnitError(f"{name!r} is not a unit ({error})") from None
-    if any(p != int(p) for p in powers.values()):
-        return Unit(name, None, float(factor))
-    return Unit(name, {n: int(powers[n]) for n in BASE_UNITS.values() if n in powers},
-                float(factor))
+        unknown = f": {error}" if type(error).__name__ == "UndefinedUnitError" else ""
+        raise UnitError(f"{name!r} is not a unit{unknown}") from None
+    if not 0.0 < float(factor) < math.inf:
+        raise UnitError(f"{name!r} is not a unit")
+    powers = {n: found[n] for n in BASE_UNITS.values() if n in found}
+    return Unit(name, powers, float(factor), float(zero))
 
 
 @cache

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import math
+import re
 
 import pytest
 
+from sightline.components import Component, Input, Output
+from sightline.fmus.fmi2 import render
+from sightline.fmus.model import model_of
 from sightline.fmus.units import UnitError, unit
 
 
@@ -23,6 +27,9 @@ from sightline.fmus.units import UnitError, unit
         ("km", {"m": 1}, 1000.0),
         ("g", {"kg": 1}, 1e-3),
         ("m3/s2", {"m": 3, "s": -2}, 1.0),
+        ("rpm", {"s": -1, "rad": 1}, 2 * math.pi / 60),
+        ("g0", {"m": 1, "s": -2}, 9.80665),
+        ("%", {}, 0.01),
     ],
 )
 def test_unit_has_the_exponents_and_factor_of_its_definition(
@@ -37,6 +44,31 @@ def test_a_spectral_density_has_no_integer_exponents() -> None:
     assert unit("rad/s/sqrt(Hz)").exponents is None
 
 
-def test_an_unknown_unit_is_named() -> None:
-    with pytest.raises(UnitError, match="'fnord' is not a unit"):
-        unit("fnord")
+@pytest.mark.parametrize("name", ["deg/sqrt(h)", "deg/√h", "deg/√(h)"])
+def test_an_angle_random_walk_has_half_exponents(name: str) -> None:
+    found = unit(name)
+    assert found.exponents is None
+    assert found.powers == {"s": -0.5, "rad": 1.0}
+    assert found.factor == pytest.approx(math.pi / 180 / 60, rel=1e-15)
+
+
+class Heater(Component):
+    """A block with a unit that does not start at 0."""
+
+    temperature = Input((), "degC")
+    measured = Output((), "degC")
+
+    def outputs(self, temperature):
+        return {"measured": temperature}
+
+
+def test_celsius_starts_at_its_own_zero() -> None:
+    assert (unit("degC").factor, unit("degC").offset) == (1.0, 273.15)
+    text = render(model_of(Heater(), None, derivatives=False), "token", {"CoSimulation": {}})
+    assert b'<BaseUnit K="1" offset="273.15" />' in text
+
+
+@pytest.mark.parametrize("name", ["fnord", "", "deg ∕ h", "sqrt(", "5 m", "m + s"])
+def test_what_is_no_unit_is_named(name: str) -> None:
+    with pytest.raises(UnitError, match=re.escape(f"{name!r} is not a unit")):
+        unit(name)
