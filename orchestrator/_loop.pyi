@@ -13,7 +13,7 @@ class Loop:
     status: int
     part: int
 
-    def __init__(self, count: int, moves: int, widest: int) -> None: ...
+    def __init__(self, count: int, moves: int, links: int, widest: int) -> None: ...
     def prepare(
         self, values: Array, recorded: Indices, acts: NDArray[Any], start: float, step: float
     ) -> None: ...
@@ -38,6 +38,7 @@ class Loop:
         which: Indices,
         references: NDArray[Any],
         orders: NDArray[Any],
+        directions: NDArray[Any],
         weights: Array,
         polynomial: Array,
         derivatives: Array,

@@ -6,72 +6,36 @@ the same bits. See there for the meaning; here are only pointers. What is rare i
 the loop halts there, and goes on where it halted.
 """
 
-from libc.math cimport fabs
-from libc.stdint cimport (
-    int8_t, int16_t, int32_t, int64_t, uint8_t, uint16_t, uint32_t, uint64_t, uintptr_t,
-)
+from libc.stdint cimport uintptr_t
 from libc.stdlib cimport calloc, free
 
-ctypedef unsigned char bint8
-ctypedef int (*Transfer2)(void *, const unsigned int *, size_t, void *) noexcept nogil
-ctypedef int (*Transfer3)(void *, const unsigned int *, size_t, void *, size_t) noexcept nogil
-ctypedef int (*Derive)(void *, const unsigned int *, size_t, const int *, const double *) noexcept nogil
-ctypedef int (*Step2)(void *, double, double, int) noexcept nogil
-ctypedef int (*Step3)(void *, double, double, bint8, bint8 *, bint8 *, bint8 *, double *) noexcept nogil
-ctypedef int (*Change)(void *) noexcept nogil
-ctypedef int (*Update)(void *, bint8 *, bint8 *, bint8 *, bint8 *, bint8 *, double *) noexcept nogil
+from orchestrator._conversion cimport (
+    BOOL, DOUBLE, FLOAT, INT8, INT16, INT32, INT64, UINT8, UINT16, UINT32, UINT64, from_doubles,
+    to_doubles,
+)
+from orchestrator._courses cimport follow, follow_on
+from orchestrator._events cimport step_three
+from orchestrator._fmi cimport WARNING, Course, Derive, Move, Part, Step2, Transfer2, Transfer3
+
+cdef extern from *:
+    """
+    #if defined __GNUC__
+    #define AHEAD(address) __builtin_prefetch((address), 1)
+    #else
+    #define AHEAD(address) ((void)(address))
+    #endif
+    """
+    void AHEAD(const void *) noexcept nogil
 
 cdef enum:
     WRITE, STEP, READ, UPDATE, SOLVE  # as plan.Act
 cdef enum:
-    DOUBLE, FLOAT, INT8, UINT8, INT16, UINT16, INT32, UINT32, INT64, UINT64, BOOL
+    MANY = 64  # FMUs, of which not all stay in the nearest cache
+    LINE = 64  # bytes that a cache fetches at once
+    LINES = 8  # of an FMU's memory that are fetched while the one before steps
 
 TYPES = {"f8": DOUBLE, "f4": FLOAT, "i1": INT8, "u1": UINT8, "i2": INT16, "u2": UINT16,
          "i4": INT32, "u4": UINT32, "i8": INT64, "u8": UINT64, "b1": BOOL}
-cdef enum:
-    WARNING = 1  # as in log
-    ENDED = 100
-    STUCK = 101
-cdef enum:
-    ROUNDS = 100  # of event iteration
-
-cdef struct Move:
-    void *call
-    const unsigned int *references
-    size_t known  # number of references
-    size_t count  # number of values
-    double *values
-    int type
-    bint three  # of FMI 3.0
-
-cdef struct Part:
-    void *component
-    void *step
-    void *enter_events
-    void *update
-    void *enter_steps
-    bint three
-    bint plain  # FMI 2.0, one step at every communication point, inputs held
-    int final  # no state of before will be restored
-    long long every, parts
-    double *inputs
-    size_t driven
-    const Py_ssize_t *sources
-    const double *gain
-    const double *shift
-    size_t sets, first_set
-    size_t gets, first_get
-    # the course of inputs
-    void *derive
-    size_t followed, derived
-    const Py_ssize_t *which
-    const unsigned int *references
-    const int *orders
-    const double *weights
-    double *polynomial
-    double *derivatives
-    double *older
-    double *oldest
 
 
 cdef class Loop:
@@ -79,14 +43,16 @@ cdef class Loop:
 
     cdef Part *parts
     cdef Move *moves
+    cdef Course *courses
+    cdef int *links  # the sources of all inputs
     cdef void *scratch
     cdef double *values
     cdef const Py_ssize_t *recorded
     cdef const int *acts
-    cdef size_t length, columns, filled, used
+    cdef size_t length, columns, filled, used, linked
     cdef double start, step
     cdef list kept
-    cdef bint free
+    cdef bint free, many
     cdef double free_time, free_width
     cdef readonly size_t rows  # recorded since the last fresh start
     # where and why the loop halted
@@ -95,17 +61,23 @@ cdef class Loop:
     cdef readonly int status
     cdef readonly long long part
 
-    def __cinit__(self, size_t count, size_t moves, size_t widest):
+    def __cinit__(self, size_t count, size_t moves, size_t links, size_t widest):
         self.parts = <Part *>calloc(count + 1, sizeof(Part))
         self.moves = <Move *>calloc(moves + 1, sizeof(Move))
+        self.courses = <Course *>calloc(count + 1, sizeof(Course))
+        self.links = <int *>calloc(links + 1, sizeof(int))
         self.scratch = calloc(widest + 1, sizeof(double))
-        if self.parts is NULL or self.moves is NULL or self.scratch is NULL:
+        if (self.parts is NULL or self.moves is NULL or self.courses is NULL
+                or self.links is NULL or self.scratch is NULL):
             raise MemoryError
+        self.many = count > MANY
         self.kept = []
 
     def __dealloc__(self):
         free(self.parts)
         free(self.moves)
+        free(self.courses)
+        free(self.links)
         free(self.scratch)
 
     def prepare(self, double[::1] values, const Py_ssize_t[::1] recorded, const int[::1] acts,
@@ -132,23 +104,30 @@ cdef class Loop:
         """
         cdef Part *part = &self.parts[self.filled]
         cdef const double[::1] factors
+        cdef size_t k
         cdef uintptr_t step = functions[0], enter = functions[1]
         cdef uintptr_t update = functions[2], leave = functions[3]
-        self.kept += [sources, gain, shift]
+        self.kept += [gain, shift]
         part.component, part.step = <void *>component, <void *>step
         part.enter_events, part.update = <void *>enter, <void *>update
         part.enter_steps = <void *>leave
         part.three, part.final, part.every, part.parts = three, final, every, parts
         part.inputs = self.values + first
         part.driven = sources.shape[0]
-        part.sources = &sources[0] if part.driven else NULL
+        part.sources = self.links + self.linked
+        for k in range(part.driven):
+            self.links[self.linked + k] = sources[k]
+        self.linked += part.driven
         if gain is not None:
+            part.converts = True
             factors = gain
             part.gain = &factors[0]
             factors = shift
             part.shift = &factors[0]
-        part.first_set, part.sets = self._moves(sets, three)
-        part.first_get, part.gets = self._moves(gets, three)
+        part.set, part.sets = self.moves + self.used, len(sets)
+        self._add_moves(sets, three)
+        part.get, part.gets = self.moves + self.used, len(gets)
+        self._add_moves(gets, three)
         part.plain = not three and every == 1 and parts == 1 and all(
             len(moves) != 1 or moves[0][4] == DOUBLE for moves in (sets, gets)
         )
@@ -156,24 +135,27 @@ cdef class Loop:
 
     def follow(self, uintptr_t derive, const Py_ssize_t[::1] which,
                const unsigned int[::1] references, const int[::1] orders,
-               const double[:, :, ::1] weights, double[:, ::1] polynomial,
+               const int[::1] directions, const double[:, :, ::1] weights, double[:, ::1] polynomial,
                double[::1] derivatives, Py_ssize_t history):
         """Let inputs of the FMU added last follow a course."""
         cdef Part *part = &self.parts[self.filled - 1]
+        cdef Course *course = &self.courses[self.filled - 1]
         part.plain = False
-        self.kept += [which, references, orders, weights, polynomial, derivatives]
-        part.derive = <void *>derive
-        part.followed, part.derived = which.shape[0], references.shape[0]
-        part.which, part.references, part.orders = &which[0], &references[0], &orders[0]
-        part.weights, part.polynomial = &weights[0, 0, 0], &polynomial[0, 0]
-        part.derivatives = &derivatives[0]
-        part.older = self.values + history
-        part.oldest = part.older + part.followed
+        part.course = course
+        self.kept += [which, references, orders, directions, weights, polynomial, derivatives]
+        course.derive = <void *>derive
+        course.inputs, course.derived = which.shape[0], references.shape[0]
+        course.which, course.references, course.orders = &which[0], &references[0], &orders[0]
+        course.directions = directions.shape[0] // 2
+        course.direction = &directions[0] if course.directions else NULL
+        course.weights, course.polynomial = &weights[0, 0, 0], &polynomial[0, 0]
+        course.derivatives = &derivatives[0]
+        course.older = self.values + history
+        course.oldest = course.older + course.inputs
 
-    cdef tuple _moves(self, list transfers, bint three):
+    cdef _add_moves(self, list transfers, bint three):
         cdef const unsigned int[::1] references
         cdef Move *move
-        cdef size_t first = self.used
         for function, known, position, count, type_ in transfers:
             references = known
             self.kept.append(references)
@@ -184,7 +166,6 @@ cdef class Loop:
             move.values = self.values + <Py_ssize_t>position
             move.type, move.three = type_, three
             self.used += 1
-        return first, len(transfers)
 
     def advance(self, size_t first, size_t last, size_t stride, double[:, ::1] buffer,
                 size_t act=0, object free=None):
@@ -231,6 +212,8 @@ cdef class Loop:
                 self.act, self.status = act, 0
                 return False
             part = &self.parts[self.acts[2 * act + 1]]
+            if self.many and what == WRITE:
+                self._fetch(part + 1)
             if part.plain and not self.free:
                 if not self._plainly(part, what, number):
                     self.act = act
@@ -250,6 +233,13 @@ cdef class Loop:
             act += 1
         return True
 
+    cdef inline void _fetch(self, Part *part) noexcept nogil:
+        """Let the memory of the FMU that comes next be on its way. No address can do harm."""
+        cdef const char *memory = <const char *>part.component
+        cdef int k
+        for k in range(LINES):
+            AHEAD(memory + k * LINE)
+
     cdef inline bint _plainly(self, Part *part, int what, size_t number) noexcept nogil:
         """What most FMUs need: for each act one call."""
         cdef Move *move
@@ -264,12 +254,12 @@ cdef class Loop:
         if what == READ:
             if part.gets != 1:
                 return self._read(part)
-            move = &self.moves[part.first_get]
+            move = part.get
         else:
             self._copy(part)
             if part.sets != 1:
                 return self._update_values(part)
-            move = &self.moves[part.first_set]
+            move = part.set
         status = (<Transfer2>move.call)(part.component, move.references, move.known, move.values)
         self.status = status
         return status <= WARNING
@@ -278,23 +268,26 @@ cdef class Loop:
         cdef size_t k
         for k in range(part.driven):
             part.inputs[k] = self.values[part.sources[k]]
-        if part.gain is not NULL:
+        if part.converts:
             for k in range(part.driven):
                 part.inputs[k] = part.inputs[k] * part.gain[k]
                 part.inputs[k] = part.inputs[k] + part.shift[k]
 
     cdef inline bint _write(self, Part *part) noexcept nogil:
         self._copy(part)
-        if part.followed:
-            self._follow(part)
+        if part.course is not NULL:
+            follow(part.course, self.values,
+                   self.free_width if self.free else <double>part.every * self.step)
         return self._put(part)
 
     cdef inline bint _put(self, Part *part) noexcept nogil:
+        cdef Course *course = part.course
         if not self._update_values(part):
             return False
-        if part.followed:
-            self.status = (<Derive>part.derive)(part.component, part.references, part.derived,
-                                                part.orders, part.derivatives)
+        if course is not NULL:
+            self.status = (<Derive>course.derive)(part.component, course.references,
+                                                  course.derived, course.orders,
+                                                  course.derivatives)
             return self.status <= WARNING
         return True
 
@@ -304,8 +297,8 @@ cdef class Loop:
 
     cdef inline bint _update_values(self, Part *part) noexcept nogil:
         cdef size_t k
-        for k in range(part.first_set, part.first_set + part.sets):
-            if not self._set(part, &self.moves[k]):
+        for k in range(part.sets):
+            if not self._set(part, part.set + k):
                 return False
         return True
 
@@ -319,13 +312,13 @@ cdef class Loop:
             width = <double>part.every * self.step
         piece = width / <double>part.parts
         for i in range(part.parts):
-            if i and part.followed:
-                self._follow_on(part, <double>i * piece)
+            if i and part.course is not NULL:
+                follow_on(part.course, self.values, <double>i * piece)
                 if not self._put(part):
                     self.part = i
                     return False
             if part.three:
-                self.status = self._step_three(part, time + <double>i * piece, piece)
+                self.status = step_three(part, time + <double>i * piece, piece)
             else:
                 self.status = (<Step2>part.step)(
                     part.component, time + <double>i * piece, piece, part.final
@@ -335,82 +328,18 @@ cdef class Loop:
                 return False
         return True
 
-    cdef int _step_three(self, Part *part, double time, double width) noexcept nogil:
-        cdef double end = time + width, last = 0.0
-        cdef double near = 1e-12 * max(fabs(end), width)
-        cdef bint8 event = 0, stop = 0, early = 0
-        cdef int i, status
-        for i in range(ROUNDS):
-            status = (<Step3>part.step)(part.component, time, end - time, part.final, &event, &stop,
-                                        &early, &last)
-            if status > WARNING:
-                return status
-            if stop:
-                return ENDED
-            if event:
-                status = self._events(part)
-                if status > WARNING:
-                    return status
-            if not early or last >= end - near:
-                return status
-            time = last
-        return STUCK
-
-    cdef int _events(self, Part *part) noexcept nogil:
-        cdef bint8 again = 0, stop = 0, nominals = 0, states = 0, defined = 0
-        cdef double time = 0.0
-        cdef int i, status = (<Change>part.enter_events)(part.component)
-        if status > WARNING:
-            return status
-        for i in range(ROUNDS):
-            status = (<Update>part.update)(part.component, &again, &stop, &nominals, &states,
-                                           &defined, &time)
-            if status > WARNING:
-                return status
-            if stop:
-                return ENDED
-            if not again:
-                return (<Change>part.enter_steps)(part.component)
-        return STUCK
-
     cdef inline bint _read(self, Part *part) noexcept nogil:
         cdef size_t k
-        for k in range(part.first_get, part.first_get + part.gets):
-            if not self._get(part, &self.moves[k]):
+        for k in range(part.gets):
+            if not self._get(part, part.get + k):
                 return False
         return True
-
-    cdef void _follow(self, Part *part) noexcept nogil:
-        cdef size_t n = part.followed, k, row
-        cdef double newest
-        cdef const double *w
-        for k in range(n):
-            newest = self.values[part.which[k]]
-            for row in range(3):
-                w = part.weights + 3 * row * n + k
-                part.polynomial[row * n + k] = (
-                    w[0] * newest + w[n] * part.older[k] + w[2 * n] * part.oldest[k]
-                )
-            part.oldest[k] = part.older[k]
-            part.older[k] = newest
-            self.values[part.which[k]] = part.polynomial[k]
-            part.derivatives[k] = part.polynomial[n + k]
-            part.derivatives[n + k] = part.polynomial[2 * n + k]
-
-    cdef void _follow_on(self, Part *part, double time) noexcept nogil:
-        cdef size_t n = part.followed, k
-        cdef const double *base = part.polynomial
-        cdef const double *slope = part.polynomial + n
-        cdef const double *curvature = part.polynomial + 2 * n
-        for k in range(n):
-            self.values[part.which[k]] = base[k] + time * (slope[k] + 0.5 * time * curvature[k])
-            part.derivatives[k] = slope[k] + time * curvature[k]
 
     cdef inline bint _set(self, Part *part, Move *move) noexcept nogil:
         if move.type == DOUBLE:
             self.status = self._call(part, move, move.values)
         else:
-            self._from_doubles(move)
+            from_doubles(move.values, move.count, move.type, self.scratch)
             self.status = self._call(part, move, self.scratch)
         return self.status <= WARNING
 
@@ -419,7 +348,7 @@ cdef class Loop:
             self.status = self._call(part, move, move.values)
         else:
             self.status = self._call(part, move, self.scratch)
-            self._to_doubles(move)
+            to_doubles(move.values, move.count, move.type, self.scratch)
         return self.status <= WARNING
 
     cdef inline int _call(self, Part *part, Move *move, void *data) noexcept nogil:
@@ -427,53 +356,3 @@ cdef class Loop:
             return (<Transfer3>move.call)(part.component, move.references, move.known, data,
                                           move.count)
         return (<Transfer2>move.call)(part.component, move.references, move.known, data)
-
-    cdef void _from_doubles(self, Move *move) noexcept nogil:
-        cdef size_t k
-        cdef double *v = move.values
-        for k in range(move.count):
-            if move.type == INT32:
-                (<int32_t *>self.scratch)[k] = <int32_t>v[k]
-            elif move.type == BOOL:
-                (<uint8_t *>self.scratch)[k] = v[k] != 0.0
-            elif move.type == INT64:
-                (<int64_t *>self.scratch)[k] = <int64_t>v[k]
-            elif move.type == UINT64:
-                (<uint64_t *>self.scratch)[k] = <uint64_t>v[k]
-            elif move.type == UINT32:
-                (<uint32_t *>self.scratch)[k] = <uint32_t>v[k]
-            elif move.type == FLOAT:
-                (<float *>self.scratch)[k] = <float>v[k]
-            elif move.type == INT8:
-                (<int8_t *>self.scratch)[k] = <int8_t>v[k]
-            elif move.type == UINT8:
-                (<uint8_t *>self.scratch)[k] = <uint8_t>v[k]
-            elif move.type == INT16:
-                (<int16_t *>self.scratch)[k] = <int16_t>v[k]
-            else:
-                (<uint16_t *>self.scratch)[k] = <uint16_t>v[k]
-
-    cdef void _to_doubles(self, Move *move) noexcept nogil:
-        cdef size_t k
-        cdef double *v = move.values
-        for k in range(move.count):
-            if move.type == INT32:
-                v[k] = (<int32_t *>self.scratch)[k]
-            elif move.type == BOOL:
-                v[k] = (<uint8_t *>self.scratch)[k] != 0
-            elif move.type == INT64:
-                v[k] = <double>(<int64_t *>self.scratch)[k]
-            elif move.type == UINT64:
-                v[k] = <double>(<uint64_t *>self.scratch)[k]
-            elif move.type == UINT32:
-                v[k] = (<uint32_t *>self.scratch)[k]
-            elif move.type == FLOAT:
-                v[k] = (<float *>self.scratch)[k]
-            elif move.type == INT8:
-                v[k] = (<int8_t *>self.scratch)[k]
-            elif move.type == UINT8:
-                v[k] = (<uint8_t *>self.scratch)[k]
-            elif move.type == INT16:
-                v[k] = (<int16_t *>self.scratch)[k]
-            else:
-                v[k] = (<uint16_t *>self.scratch)[k]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import os
 import re
 import zipfile
 from collections.abc import Iterable, Mapping
@@ -29,7 +30,7 @@ KINDS: dict[str, Kind] = {
     "Float64": "real",
     "Float32": "real",
     **{f"{sign}Int{bits}": "integer" for sign in ("", "U") for bits in (8, 16, 32, 64)},
-}  # binary variables and clocks are left at their start
+}
 INDEXED = re.compile(r"^(?P<base>.+)\[(?P<index>\d+(?:,\s*\d+)*)\]$")
 SUPPORTED = ("2.0", "3.0")
 ENUMERATED = {"2.0": "Integer", "3.0": "Int64"}
@@ -70,6 +71,7 @@ def read(path: Path) -> FmuDescription:
         description=model.description or "",
         generator=model.generationTool or "",
         ports=ports(variables, _units(model), _frames(text), ENUMERATED[version]),
+        others={v.name: v.type for v in model.modelVariables if v.type not in KINDS},
         feedthrough=_feedthrough(model),
         variable_step=offered.canHandleVariableCommunicationStepSize,
         fixed_step=_number(flags.get("fixedInternalStepSize")),
@@ -93,11 +95,11 @@ def _number(text: str | None) -> float | None:
 
 
 def _open(path: Path) -> tuple[Any, list[str]]:
-    if not path.exists():
+    if not os.path.exists(path):
         siblings = sorted(p.name for p in path.parent.glob("*.fmu"))[:8]
         remedy = f"in that folder: {', '.join(siblings)}" if siblings else ""
         raise FmuError(str(path), "does not exist", remedy)
-    if not path.is_file():
+    if not os.path.isfile(path):
         raise FmuError(str(path), "is not a file", "name the .fmu file")
     if problems := inspect(path):
         found = "; ".join(f"cannot be used: {p}" if p.member else p.detail for p in problems)

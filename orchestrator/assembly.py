@@ -55,7 +55,7 @@ def override(
     problems = []
     own = loaded.data.get("instances", {})
     known = loaded.config.instances
-    instances = {n: dict(table) for n, table in own.items()}
+    instances = {n: dict(table) for n, table in own.items() if isinstance(table, dict)}
     for key, value in overrides.items():
         where = f"--set {key}"
         instance, _, name = key.partition(".")
@@ -70,6 +70,7 @@ def override(
                 problems.append(Problem(where, what, nearest(name, names, "valid")))
             else:
                 mine = instances.setdefault(instance, {})  # a copy gets a table of its own
-                mine[table] = {**mine.get(table, {}), name: value}
+                held = mine.get(table)
+                mine[table] = {**(held if isinstance(held, dict) else {}), name: value}
     checked, _ = check({**loaded.data, "instances": instances}, loaded.folder, loaded.texts)
     return checked, problems  # what else is wrong has been found before

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import sys
 from enum import StrEnum
 from pathlib import Path
@@ -29,6 +30,9 @@ Set = Annotated[
     ),
 ]
 Csv = Annotated[bool, typer.Option("--csv", help="Write results.csv too.")]
+Isolate = Annotated[
+    bool, typer.Option("--isolate", help="Run every FMU in a process of its own.")
+]
 
 
 class Kind(StrEnum):
@@ -108,12 +112,13 @@ def run(
     resume: Annotated[
         Path | None, typer.Option(help="Go on from this checkpoint.h5, beside its results.")
     ] = None,
+    isolate: Isolate = False,
 ) -> None:
     """Build, check and co-simulate a system; leave results.h5 and figures in a folder."""
     from . import command_run
 
     checkpoints = command_run.Checkpoints(checkpoint_every, resume)
-    raise typer.Exit(command_run.run(config, out, settings or [], csv, checkpoints))
+    raise typer.Exit(command_run.run(config, out, settings or [], csv, checkpoints, isolate))
 
 
 @app.command(epilog="Example:  sightline explain system.toml --graph system.svg")
@@ -192,6 +197,9 @@ def plot(
 
 def main() -> None:
     """Entry point. Exit codes: 0 done, 1 failed, 2 bad usage or config, 130 interrupted."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):  # of whatever letters a terminal knows
+            stream.reconfigure(errors="backslashreplace")
     try:
         app()
     except KeyboardInterrupt:

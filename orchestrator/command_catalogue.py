@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +16,8 @@ from .exit_codes import DONE, FAILED, MISUSED
 
 if TYPE_CHECKING:
     from ..components.component import Component
+
+NUMBER = re.compile(r"[0-9]{1,9}")
 
 
 def list_blocks() -> None:
@@ -92,7 +95,7 @@ def build(
 
 def _sizes(structure: Sequence[str]) -> dict[str, int] | None:
     pairs = [text.partition("=") for text in structure]
-    if not all(equals and value.strip().isdigit() for _, equals, value in pairs):
+    if not all(equals and NUMBER.fullmatch(value.strip()) for _, equals, value in pairs):
         return None
     return {name.strip(): int(value) for name, _, value in pairs}
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ from rich.console import Console
 from .config import Plot
 from .curves import chosen, missing
 from .exit_codes import DONE, FAILED, MISUSED
+from .parsing import parse
 from .plots import draw, figure_of, save
 from .results import Results, read
 
@@ -35,10 +35,13 @@ def plot(
 
     try:
         results = read(file)
-    except (OSError, KeyError) as error:
+    except OSError as error:
         return fail(f"{file} is not a results file: {error}", FAILED)
     if not len(results.time):
         return fail(f"{file} holds no samples", FAILED)
+    if not results.complete:
+        console.print(f"{file} is incomplete: its run ended at t = {results.time[-1]:.6g} s, "
+                      "before its stop time", markup=False)  # fmt: skip
     problems = [missing(p, results) for p in signals if not chosen([p], results)]
     if problems:
         return fail("\n".join(map(str, problems)), MISUSED)
@@ -81,7 +84,7 @@ def _draw(
 
 def _of_config(results: Results) -> list[Plot]:
     """The plots of the config that made the results; without any, one of everything."""
-    tables = tomllib.loads(results.config).get("plots", [])
+    tables = parse(results.config).get("plots", [])
     plots = [Plot.model_validate(t) for t in tables]
     return plots or [Plot(title="All signals", signals=["*"])]
 

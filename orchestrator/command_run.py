@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.resources import as_file, files
@@ -14,6 +13,7 @@ from rich.console import Console
 from .alike import few
 from .errors import ConfigError, FmuError, Problem, RunError
 from .exit_codes import DONE, FAILED, MISUSED, STOPPED
+from .parsing import parse
 from .progress import bar
 from .results import FILE, read, write_csv
 from .run import Interrupted, Statistics
@@ -32,7 +32,7 @@ class Checkpoints:
 
 def run(
     config: Path, out: Path, settings: Sequence[str], csv: bool,
-    checkpoints: Checkpoints = Checkpoints(),
+    checkpoints: Checkpoints = Checkpoints(), isolate: bool = False,
 ) -> int:  # fmt: skip
     """Run a system; the exit code."""
     console = Console(stderr=True, highlight=False, soft_wrap=True)
@@ -42,6 +42,7 @@ def run(
 
     try:
         system = System.from_toml(config, overrides(settings), say)
+        system = system.isolated() if isolate else system
         _say_if_slow(system, say)
         for note in few(f"note: {n}" for n in system.graph.notes):
             say(note)
@@ -53,7 +54,7 @@ def run(
         say(str(error))
         return FAILED
     except OSError as error:
-        say(f"cannot write to {out}: {error}")
+        say(_unwritable(out, error))
         return FAILED
 
 
@@ -74,8 +75,8 @@ def overrides(settings: Sequence[str]) -> dict[str, Any]:
             problems.append(Problem(where, "is not of the form instance.name=value"))
             continue
         try:
-            values[key] = tomllib.loads(f"value = {text}")["value"]
-        except tomllib.TOMLDecodeError:
+            (values[key],) = parse(f"value = {text}").values()
+        except ValueError:
             remedy = 'write numbers 1.5, arrays [1, 2], true, false, or "text"'
             problems.append(Problem(where, f"{text!r} is not a value", remedy))
     if problems:
@@ -87,7 +88,7 @@ def _simulate(
     system: System, out: Path, csv: bool, checkpoints: Checkpoints, console: Console
 ) -> int:
     simulation = system.loaded.config.simulation
-    ending, code = "", DONE
+    ending, code, writable = "", DONE, True
     statistics: Statistics | None = None
     try:
         with bar(simulation.start_time, simulation.stop_time, console) as show:
@@ -95,9 +96,11 @@ def _simulate(
                 out, show, checkpoint_every=checkpoints.every, resume=checkpoints.resume
             )
     except RunError as error:
-        ending, code = str(error), FAILED
+        ending, code = "\n".join([str(error), *getattr(error, "__notes__", ())]), FAILED
     except Interrupted as error:
         ending, code = f"interrupted: {error}", STOPPED
+    except OSError as error:
+        ending, code, writable = _unwritable(out, error), FAILED, False
     if ending:
         console.print(ending, markup=False)
     if statistics is not None and not statistics.rested:
@@ -105,11 +108,28 @@ def _simulate(
             "warning: outputs did not come to rest at the start; the system may have an "
             "algebraic loop", markup=False,
         )
-    if statistics is not None and simulation.algorithm == "adaptive":
-        taken = f"{statistics.steps} steps, {statistics.rejected} more rejected"
+    if statistics is not None and simulation.adaptive:
+        taken = f"{statistics.steps} steps accepted, {statistics.rejected} rejected"
         console.print(taken, markup=False)
-    _report(system, out, csv, code, console)
+    if writable:
+        _report(system, out, csv, code, console)
+    elif (samples := _samples(out)) > 0:
+        console.print(f"results until then in {out}: {FILE} ({samples} samples)", markup=False)
     return code
+
+
+def _unwritable(out: Path, error: OSError) -> str:
+    why = "it is a file, not a folder" if out.is_file() else error.strerror or error
+    return f"cannot write to {out}: {why}"
+
+
+def _samples(out: Path) -> int:
+    """How many samples a run left that did not reach its end."""
+    try:
+        results = read(out / FILE)
+    except OSError:
+        return 0
+    return 0 if results.complete else len(results.time)
 
 
 def _report(system: System, out: Path, csv: bool, code: int, console: Console) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ._loop import TYPES, Loop
 from .loops import Tolerance
@@ -28,8 +29,14 @@ class CompiledStepper(PythonStepper):
         super().__init__(plan, slaves, start, step, tolerance)
         blocks = [b for u in plan.units for s in (u.inputs, u.outputs) for b in s.blocks]
         widest = max((b.last - b.first for b in blocks), default=0)
-        self._loop = Loop(len(plan.units), len(blocks), widest)
-        acts = np.array(plan.acts, dtype=np.intc).reshape(-1)
+        links = sum(len(u.sources) for u in plan.units)
+        self._loop = Loop(len(plan.units), len(blocks), links, widest)
+        self._known: dict[tuple[int, ...], NDArray[np.uintc]] = {}
+        program = enumerate(zip(plan.acts, self._program(), strict=True))
+        self._left = {i: does for i, (act, does) in program if self._is_left(*act)}
+        halts = (int(Act.SOLVE), 0)
+        marked = [halts if i in self._left else act for i, act in enumerate(plan.acts)]
+        acts = np.array(marked, dtype=np.intc).reshape(-1)
         self._loop.prepare(self.values, plan.recorded, acts, start, step)
         for move in self.moves:
             self._add(move)
@@ -39,19 +46,26 @@ class CompiledStepper(PythonStepper):
         loop, act = self._loop, 0
         try:
             while not loop.advance(first, last, stride, buffer, act, self.free):
-                self._attend(Act(self.plan.acts[loop.act][0]), self.plan.acts[loop.act][1])
+                self._attend(loop.act, loop.number, loop.status)
                 first, act = loop.number, loop.act + 1
         finally:
             self.rows = loop.rows
 
-    def _attend(self, act: Act, which: int) -> None:
-        """Do what made the loop halt, or raise its error."""
-        number, status = self._loop.number, self._loop.status
-        if act is Act.SOLVE:
-            solver = self.loops[which]
-            if (number + 1) % solver.moves[0].unit.every == 0 or self.free is not None:
-                self._solve(solver, number)
+    def _is_left(self, act: Act, which: int) -> bool:
+        """Whether the loop halts at an act and leaves it to Python."""
+        if act is Act.SOLVE or self.moves[which].slave.isolated:
+            return True
+        sets = act in (Act.WRITE, Act.UPDATE)
+        return sets and any(b.events for b in self.moves[which].unit.inputs.blocks)
+
+    def _attend(self, position: int, number: int, status: int) -> None:
+        """Do what made the loop halt at an act, or raise its error."""
+        if position in self._left:
+            every, does = self._left[position]
+            if (number + 1) % every == 0 or self.free is not None:
+                does(number)
             return
+        act, which = self.plan.acts[position]
         move = self.moves[which]
         time, width = self.span(move, number)
         if act is Act.STEP:
@@ -72,6 +86,11 @@ class CompiledStepper(PythonStepper):
 
     def _add(self, move: Moves) -> None:
         unit, slave = move.unit, move.slave
+        if slave.isolated:  # takes its place, and no part
+            none = (0, *NO_EVENTS)
+            first = unit.inputs.first
+            self._loop.add(0, none, False, False, 1, 1, first, NOTHING, None, None, [], [])
+            return
         prefix, library = slave.prefix, slave.library
         step = library.address(f"{prefix}DoStep")
         names = ("EnterEventMode", "UpdateDiscreteStates", "EnterStepMode")
@@ -91,6 +110,7 @@ class CompiledStepper(PythonStepper):
                 library.address("fmi2SetRealInputDerivatives"), course.inputs,
                 np.array(course.references * course.order, dtype=np.uintc),
                 np.repeat(np.arange(1, course.order + 1, dtype=np.intc), count),
+                np.array(course.directions, dtype=np.intc).reshape(-1),
                 move.weights, move.polynomial, move.derivatives, course.history,
             )  # fmt: skip
 
@@ -115,6 +135,10 @@ class CompiledStepper(PythonStepper):
         dtype = np.dtype(slave.dtypes[block.type])
         return (
             slave.library.address(slave.function(block.type, read)),
-            np.array(block.references, dtype=np.uintc), block.first, block.last - block.first,
+            self._references(block.references), block.first, block.last - block.first,
             TYPES[dtype.str[1:]],
         )  # fmt: skip
+
+    def _references(self, values: tuple[int, ...]) -> NDArray[np.uintc]:
+        """Value references, the same array for all FMUs of one kind."""
+        return self._known.setdefault(values, np.array(values, dtype=np.uintc))

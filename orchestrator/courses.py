@@ -5,18 +5,21 @@ step. Where the source has stepped before, its value at the end of the step is k
 polynomial interpolates; where not, it extrapolates from the step's start. Both leave an error of
 order h² (linear) or h³ (quadratic) in the input, hence in the states over a given time.
 
+A unit vector or quaternion that is extrapolated would leave the unit sphere by an error of the same
+order, and a block may refuse it: its slope is changed such that it ends on the sphere.
+
 Discrete signals, and those of FMUs that step less often than the FMU they drive, are held.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from .graph import Node, SystemGraph
-from .layout import Drives, Layout
+from .layout import Drives, Key, Layout
 from .plan import Array, Course, Unit
 from .sampling import sample_period
 from .schedule import Schedule
@@ -34,7 +37,7 @@ def with_courses(
     result = []
     for unit in units:
         node = graph.nodes[unit.node]
-        inputs, references, newest = [], [], []
+        inputs, keys, references, newest = [], [], [], []
         for position in range(unit.inputs.first, unit.inputs.last):
             key = layout.keys[position]
             if key is None or key not in drives or not node.fmu.can_interpolate:
@@ -44,15 +47,35 @@ def with_courses(
                 continue
             fresh = not order.jacobi and place[source[0]] < place[node.name]
             inputs.append(position)
+            keys.append(key)
             references.append(node.fmu.ports[key[1]].references[key[2]])
             newest.append(0 if fresh else every[source[0]])
         course = None
         if inputs:
             history = layout.reserve(2 * len(inputs))
             positions = np.array(inputs, dtype=np.intp)
-            course = Course(degree, positions, tuple(references), tuple(newest), history)
+            course = Course(
+                degree, positions, tuple(references), tuple(newest), history,
+                tuple(_directions(node, keys, newest)),
+            )  # fmt: skip
         result.append(replace(unit, course=course))
     return result
+
+
+def _directions(
+    node: Node, keys: Sequence[Key], newest: Sequence[int]
+) -> Iterator[tuple[int, int]]:
+    """First and count of three or four numbers of one port, all known at the step's start only."""
+    for first, (_, name, element) in enumerate(keys):
+        port = node.fmu.ports[name]
+        count = port.shape[-1] if port.shape else 1
+        row = [(node.name, name, element + k) for k in range(count)]
+        plain = port.unit is None or port.unit.dimension == "1"
+        if (
+            count in (3, 4) and element % count == 0 and plain
+            and keys[first:first + count] == row and all(newest[first:first + count])
+        ):  # fmt: skip
+            yield first, count
 
 
 def _continuous(

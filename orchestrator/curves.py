@@ -55,6 +55,11 @@ def element_labels(port: str, shape: Sequence[int]) -> list[str]:
     return [f"{port}[{','.join(str(i + 1) for i in place)}]" for place in np.ndindex(*shape)]
 
 
+def plain(text: str) -> str:
+    """A text to draw as it is: its dollars begin no mathematics."""
+    return text.replace("$", r"\$")
+
+
 def missing(pattern: str, results: Results) -> Problem:
     """What is wrong with a glob that names nothing."""
     remedy = nearest(pattern, results.series, "signals")

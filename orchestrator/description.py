@@ -59,7 +59,10 @@ class Port:
 
 @dataclass(frozen=True)
 class FmuDescription:
-    """An FMU's interface. ``feedthrough``: for each output's reference, inputs that act at once."""
+    """An FMU's interface. ``feedthrough``: for each output's reference, inputs that act at once.
+
+    ``others``: variables that no value here can be given to, with their types, as ``Clock``.
+    """
 
     path: Path
     version: str
@@ -69,6 +72,7 @@ class FmuDescription:
     description: str = ""
     generator: str = ""
     ports: Mapping[str, Port] = field(default_factory=dict)
+    others: Mapping[str, str] = field(default_factory=dict)
     feedthrough: Mapping[int, frozenset[int]] = field(default_factory=dict)
     variable_step: bool = True
     fixed_step: float | None = None  # s, of the FMU's own solver

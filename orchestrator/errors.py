@@ -28,7 +28,7 @@ class Problem:
     def __str__(self) -> str:
         place = ":".join(str(p) for p in (self.file, self.line) if p not in ("", None))
         head = f"{place}: {self.where}" if place else self.where
-        return f"{head}: {self.what}" + (f"; {self.remedy}" if self.remedy else "")
+        return _one_line(f"{head}: {self.what}" + (f"; {self.remedy}" if self.remedy else ""))
 
 
 class ConfigError(Exception):
@@ -58,7 +58,7 @@ class FmuError(Exception):
 
 @dataclass
 class RunError(Exception):
-    """An FMU did not do what was asked: ``message`` is its own last word, if it said one."""
+    """An FMU did not do what was asked: ``message`` is what it said itself."""
 
     instance: str
     time: float
@@ -88,6 +88,19 @@ class LoopError(RunError):
             f"{head}{found}; put an FMU with a state into the loop, or let one connection be a "
             "step late: simulation.delay"
         )
+
+
+class NotFinite(RunError):
+    """An output was NaN or infinite: ``action`` is its name, ``status`` its value."""
+
+    def __str__(self) -> str:
+        head = f"{self.instance} at t = {self.time:.10g} s"
+        return f"{head}: the output {self.action} is {self.status}, and the FMU said nothing of it"
+
+
+def _one_line(text: str) -> str:
+    """A text in which nothing ends a line or steers a terminal."""
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
 def nearest(name: str, valid: Iterable[str], kind: str = "") -> str:

@@ -29,7 +29,7 @@ MEANING: Mapping[Timing, str] = {
 
 @dataclass(frozen=True)
 class Step:
-    """One instance in the order of stepping, and what is special about its rate, if anything."""
+    """One instance in the order of stepping, and what is special about its steps, if anything."""
 
     instance: str
     model: str
@@ -48,6 +48,7 @@ class Explanation:
     loops: tuple[str, ...]
     conversions: tuple[str, ...]
     undriven: tuple[tuple[str, tuple[str, ...]], ...]
+    others: tuple[tuple[str, tuple[str, ...]], ...]
     frames: tuple[tuple[str, tuple[str, ...]], ...]
 
     def of(self, timing: Timing) -> list[Connection]:
@@ -70,6 +71,7 @@ def explain(system: System) -> Explanation:
         loops=tuple(_loops(system)),
         conversions=tuple(_conversions(graph)),
         undriven=tuple(undriven(graph).items()),
+        others=tuple((n.name, tuple(n.fmu.others)) for n in graph.nodes if n.fmu.others),
         frames=tuple(_frames(graph)),
     )
 
@@ -88,16 +90,19 @@ def timings(graph: SystemGraph, order: Schedule) -> tuple[tuple[Connection, Timi
 
 
 def rate(system: System, unit: Unit) -> str:
-    """How often an FMU steps and acts; empty if at every communication step."""
+    """How an FMU steps and acts unless as most do: how often, and inputs that it cannot vary."""
     step = system.loaded.config.simulation.step
     node = system.graph.nodes[unit.node]
-    words = []
+    words = ["isolated"] if node.isolated else []
     if unit.every > 1:
         words.append(f"steps every {unit.every * step:g} s")
     if unit.parts > 1:
         words.append(f"in {unit.parts} parts")
     if period := sample_period(node):
         words.append(f"samples every {period:g} s")
+    varies = system.loaded.config.simulation.coupling != "hold"
+    if varies and len(unit.sources) and not node.fmu.can_interpolate:
+        words.append("inputs held: takes no derivatives of them")
     return ", ".join(words)
 
 
@@ -125,7 +130,10 @@ def _facts(system: System) -> Sequence[tuple[str, str]]:
     values = sum(len(c.destination.elements) for c in graph.connections)
     repeats = ", ".join(f"{i} = 1 to {r.count} ({r.neighbours})" for i, r in config.repeat.items())
     recorded = sum(len(s.elements) for s in system.selection.recorded)
-    every = config.record_stride * simulation.step
+    every = config.record.every or simulation.step
+    when = "at every accepted step" if simulation.adaptive and config.record.every is None else (
+        f"every {every:g} s"
+    )
     facts = [
         ("system", f"{len(graph.nodes)} instances, {len(graph.connections)} connections "
                    f"of {values} values"),
@@ -134,7 +142,7 @@ def _facts(system: System) -> Sequence[tuple[str, str]]:
                  f"communication step {simulation.step:g} s"),
         ("algorithm", f"{simulation.algorithm}, coupling {simulation.coupling}"),
         ("recorded", f"{len(system.selection.recorded)} signals of {recorded} values "
-                     f"every {every:g} s"),
+                     f"{when}"),
     ]  # fmt: skip
     return [(name, text) for name, text in facts if text]
 
@@ -166,7 +174,7 @@ def _loops(system: System) -> Iterator[str]:
 
 
 def _conversions(graph: SystemGraph) -> list[str]:
-    return [
+    return [*graph.conversions] + [
         f"{c}: {c.source.port.unit} to {c.destination.port.unit}, times {c.conversion.gain:.10g}"
         + (f" {c.conversion.shift:+.10g}" if c.conversion.shift else "")
         for c in graph.connections

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyBboxPatch, PathPatch
 from matplotlib.path import Path as Curve
 
-from .explain import Timing, rate, timings, undriven
+from .explain import Timing, rate, undriven
+from .explain_groups import Group, Link, groups_of, links_of
 from .explain_layout import HEAD, ROW, Box, Layout, Line, Port
-from .graph import Node
 from .plots import COLOURS, METADATA
 from .system import System
 
@@ -22,7 +22,7 @@ POINTS = 72.0  # per inch
 MARGIN = 24.0
 LEGEND = 60.0
 MARK: Mapping[Timing, str] = {"late": " ⇠ late ", "held": " ⇠ ", "same": " ↺ ", "ahead": " ↺ "}
-SHOWN = 48  # instances; of more, the first are drawn
+MOST = 48  # boxes; of more, the first are drawn
 GREY, LATE, HELD = "#8a8a8a", "#c0392b", "#6c4a9e"
 FILLS = ("#eaf2fb", "#fdf0e6", "#e8f6f0", "#f8eef5", "#fdf8e4", "#eef0f2", "#f0ecf7", "#e9f5fa")
 PNG = 130  # dots per inch
@@ -30,65 +30,67 @@ PNG = 130  # dots per inch
 
 def draw(system: System, path: Path) -> None:
     """Write the picture. Raises OSError, or ValueError for an unknown kind of file."""
-    order = [system.graph.nodes[i] for i in system.schedule.order]
-    names = {n.name for n in system.graph.nodes[:SHOWN]}
-    shown = [n for n in order if n.name in names]
-    boxes, edges = _content(system, shown)
+    groups = groups_of(system)
+    shown = groups[:MOST]
+    boxes, edges = _content(system, groups, shown)
     layout = Layout(boxes, edges)
     figure = _figure(layout, shown)
-    notes = [f"the first {len(shown)} of {len(order)} instances"] if len(order) > SHOWN else []
+    notes = [f"the first {len(shown)} of {len(groups)} instances"] if len(groups) > MOST else []
     _legend(figure.axes[0], layout, notes)
     with matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": "sightline"}):
         figure.savefig(path, metadata=METADATA.get(path.suffix), dpi=PNG)
 
 
-def _content(system: System, shown: list[Node]) -> tuple[list[Box], list[tuple[Port, Port]]]:
+def _content(
+    system: System, groups: Sequence[Group], shown: Sequence[Group]
+) -> tuple[list[Box], list[tuple[Port, Port]]]:
     """Boxes with a row per connected or idle input; edges for values of the same instant."""
-    graph = system.graph
-    names = {n.name for n in shown}
-    number = {graph.nodes[i].name: k for k, i in enumerate(system.schedule.order, 1)}
+    names = {g.name for g in shown}
     inputs: dict[str, list[tuple[str, str]]] = {name: [] for name in names}
     outputs: dict[str, dict[str, str]] = {name: {} for name in names}
     edges: list[tuple[Port, Port]] = []
-    for c, timing in timings(graph, system.schedule):
-        source, destination = c.source.instance, c.destination.instance
-        into = str(c.destination).partition(".")[2]
-        forward = (
-            timing in ("same", "ahead") and source in names and destination in names
-            and number[source] < number[destination]
-        )  # fmt: skip
-        if destination in names:
-            mark = MARK[timing]
-            text = into if forward else f"{into}{mark}{c.source}"
-            inputs[destination].append((into, text))
-        if source not in names:
-            continue
-        out = str(c.source).partition(".")[2]
-        if forward:
-            outputs[source].setdefault(out, out)
-            edges.append(((source, out), (destination, into)))
-        else:
-            outputs[source][out] = f"{out} ⇢"
-    idle = undriven(graph)
-    rates = {graph.nodes[u.node].name: rate(system, u) for u in system.plan.units}
+    for link in links_of(system, groups):
+        drawn = link.forward and link.source in names and link.destination in names
+        if link.destination in names:
+            inputs[link.destination].append((link.key, _input(link, drawn)))
+        if drawn:
+            outputs[link.source].setdefault(link.out, link.out)
+            edges.append(((link.source, link.out), (link.destination, link.key)))
+        elif link.source in names:
+            outputs[link.source][link.out] = f"{link.out} ⇢"
+    idle = undriven(system.graph)
+    rates = {system.graph.nodes[u.node].name: rate(system, u) for u in system.plan.units}
     boxes = []
-    for node in shown:
-        rows = [*inputs[node.name], *((p, f"{p} (start)") for p in idle.get(node.name, ()))]
-        words = [node.fmu.model_name, *filter(None, [rates[node.name]])]
-        heading, detail = f"{number[node.name]}  {node.name}", ", ".join(words)
-        boxes.append(Box(node.name, heading, detail, rows, list(outputs[node.name].items())))
+    for group in shown:
+        node, count = group.nodes[0], len(group.nodes)
+        rows = [*inputs[group.name], *((p, f"{p} (start)") for p in idle.get(node.name, ()))]
+        words = [node.fmu.model_name, f"{count} copies" if count > 1 else "", rates[node.name]]
+        detail = ", ".join(filter(None, words))
+        boxes.append(
+            Box(group.name, group.heading, detail, rows, list(outputs[group.name].items()))
+        )
     return boxes, edges
 
 
-def _figure(layout: Layout, shown: list[Node]) -> Figure:
+def _input(link: Link, drawn: bool) -> str:
+    """What stands at an input: which value it gets, unless a line tells."""
+    if not drawn:
+        return f"{link.into}{MARK[link.timing]}{link.shown}"
+    instance = link.shown.partition(".")[0]
+    return link.into if instance == link.source else f"{link.into} of {instance}"
+
+
+def _figure(layout: Layout, shown: Sequence[Group]) -> Figure:
     width, height = (s + 2 * MARGIN for s in layout.size())
     figure = Figure(figsize=(width / POINTS, (height + LEGEND) / POINTS), dpi=POINTS)
     axes: Any = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axes.set(xlim=(-MARGIN, width - MARGIN), ylim=(height + LEGEND - MARGIN, -MARGIN))
     axes.axis("off")
-    colours = {n.name: COLOURS[i % len(COLOURS)] for i, n in enumerate(shown)}
-    models = list(dict.fromkeys(n.fmu.model_name for n in shown))
-    fills = {n.name: FILLS[models.index(n.fmu.model_name) % len(FILLS)] for n in shown}
+    colours = {g.name: COLOURS[i % len(COLOURS)] for i, g in enumerate(shown)}
+    models = list(dict.fromkeys(g.nodes[0].fmu.model_name for g in shown))
+    fills = {
+        g.name: FILLS[models.index(g.nodes[0].fmu.model_name) % len(FILLS)] for g in shown
+    }  # fmt: skip
     for line in layout.lines():
         axes.add_patch(PathPatch(
             _curve(line), facecolor="none", edgecolor=colours[line.source[0]], linewidth=1.1,
@@ -124,7 +126,7 @@ def _box(axes: Any, box: Box, fill: str, edge: str) -> None:
     axes.plot([box.x, box.x + box.width], [box.y + HEAD - 2] * 2, color="#cccccc", lw=0.7, zorder=4)
     for name, text in box.inputs:
         colour = (
-            GREY if text.endswith("(start)") else LATE if "late" in text[len(name):]
+            GREY if text.endswith("(start)") else LATE if MARK["late"] in text
             else HELD if "⇠" in text else "#222222"
         )  # fmt: skip
         axes.text(box.x + 8, box.input_y(name), text, fontsize=8.5, color=colour, **at)
@@ -138,7 +140,7 @@ def _legend(axes: Any, layout: Layout, notes: list[str]) -> None:
         ("line: value of the same instant", "#222222"),
         ("⇠ value of the step's start, held over the step", HELD),
         ("⇠ late: one step late for outputs that need it at once", LATE),
-        ("↺ the same instant, solved or passed on after stepping", "#222222"),
+        ("↺ the same instant: solved, passed on after stepping, or within the box", "#222222"),
         ("(start): nothing drives it", GREY),
         *((note, "#222222") for note in notes),
     ]

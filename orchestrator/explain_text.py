@@ -30,6 +30,9 @@ def _lines(explanation: Explanation) -> Iterator[str]:
     if explanation.undriven:
         rows = [f"{name}: {', '.join(ports)}" for name, ports in explanation.undriven]
         yield from _section("inputs that nothing drives, kept at their start values", rows)
+    if explanation.others:
+        rows = [f"{name}: {', '.join(variables)}" for name, variables in explanation.others]
+        yield from _section("variables that nothing can drive: clocks and binary ones", rows)
     if explanation.frames:
         rows = [f"{frame}: {', '.join(few(whose))}" for frame, whose in explanation.frames]
         yield from _section("frames", rows)

@@ -30,7 +30,7 @@ def root() -> Path:
 def unpacked(path: Path) -> Path:
     """The folder with an FMU's files. Raises FmuError if the archive is damaged."""
     try:
-        folder = root() / _digest(path)
+        folder = root() / digest(path)[:32]
         with zipfile.ZipFile(path) as archive:
             if not _intact(folder, archive):
                 _unpack(archive, folder)
@@ -39,9 +39,10 @@ def unpacked(path: Path) -> Path:
     return folder
 
 
-def _digest(path: Path) -> str:
+def digest(path: Path) -> str:
+    """The SHA-256 of a file. Raises OSError."""
     with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()[:32]
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def _intact(folder: Path, archive: zipfile.ZipFile) -> bool:

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from .graph import Setting
 from .library import references
-from .log import ENDED, STUCK, WARNING
+from .log import ENDED, OK, STUCK, WARNING
 from .plan import Array, Block
-from .slave import DOUBLES, UNSIGNED, Slave
+from .slave import DOUBLES, UNSIGNED, Call, Slave
 
 BOOL = ctypes.POINTER(c_bool)
 ROUNDS = 100  # of event iteration
@@ -52,6 +52,7 @@ class Slave3(Slave):
             self.name.encode(), self.fmu.token.encode(), resources.encode(), False, True, events,
             events, None, 0, None, self._logger, None,
         )  # fmt: skip
+        self._known: list[Array] = []  # discrete inputs as the FMU has them
         self._event, self._end, self._early = c_bool(), c_bool(), c_bool()
         self._last = c_double()
         self._final = c_bool(self.final)
@@ -95,6 +96,38 @@ class Slave3(Slave):
                 return status
             time = self._last.value
         return STUCK
+
+    def transfers(self, blocks: Iterable[Block], values: Array, read: bool) -> list[Call]:
+        """See :meth:`.slave.Slave.transfers`. Discrete inputs change in event mode."""
+        blocks = list(blocks)
+        calls = super().transfers(blocks, values, read)
+        return [
+            self._changing(call, values[block.first:block.last]) if block.events and not read
+            else call for block, call in zip(blocks, calls, strict=True)
+        ]  # fmt: skip
+
+    def _changing(self, ready: Call, view: Array) -> Call:
+        """A call that sets inputs in event mode, if they have changed since it was last made."""
+        known = np.full(len(view), np.nan)
+        self._known.append(known)
+
+        def transfer() -> int:
+            if np.array_equal(known, view):
+                return OK
+            known[:] = view
+            if not self._initialised:
+                return ready()
+            status: int = self.call("EnterEventMode")(self.handle)
+            status = status if status > WARNING else ready()
+            return status if status > WARNING else self._update()
+
+        return transfer
+
+    def restore(self, state: c_void_p) -> None:
+        """See :meth:`.slave.Slave.restore`."""
+        super().restore(state)
+        for known in self._known:
+            known[:] = np.nan  # what the state holds is not known
 
     def reached(self) -> float | None:
         """See :meth:`.slave.Slave.reached`."""

@@ -10,24 +10,40 @@ from .description import FmuDescription, Port
 from .units import UNCHANGED, Conversion
 
 Scalar = float | int | bool | str
+TIME_LIMIT = 60.0  # s
 
 
 @dataclass(frozen=True)
 class Setting:
-    """A parameter or start value, flat in row-major order."""
+    """A parameter or start value, flat in row-major order.
+
+    ``given`` is what the config says, if in another unit than the port's.
+    """
 
     port: Port
     values: tuple[Scalar, ...]
+    given: str = ""
+
+    def __str__(self) -> str:
+        numbers = [f"{v:.7g}" if isinstance(v, float) else str(v) for v in self.values]
+        value = f"[{', '.join(numbers)}]" if self.port.shape else numbers[0]
+        unit = "" if self.port.unit is None or self.port.unit.name == "1" else self.port.unit
+        return f"{value} {unit}".rstrip()
 
 
 @dataclass(frozen=True)
 class Node:
-    """One instance. ``frames`` binds the roles of its ports' frames to names of the system."""
+    """One instance. ``frames`` binds the roles of its ports' frames to names of the system.
+
+    ``time_limit``: s, that any one call may take if it is ``isolated``.
+    """
 
     name: str
     fmu: FmuDescription
     settings: tuple[Setting, ...] = ()
     frames: Mapping[str, str] = field(default_factory=dict)
+    isolated: bool = False
+    time_limit: float = TIME_LIMIT
 
     def frame(self, port: Port) -> str:
         """The frame of a port by its name in the system; empty if unknown."""
@@ -78,6 +94,14 @@ class SystemGraph:
     nodes: tuple[Node, ...]
     connections: tuple[Connection, ...] = ()
     notes: tuple[str, ...] = ()
+
+    @property
+    def conversions(self) -> tuple[str, ...]:
+        """Parameters and start values that the config gives in another unit than the port's."""
+        return tuple(
+            f"{node.name}.{setting.port.name}: {setting.given} to {setting}"
+            for node in self.nodes for setting in node.settings if setting.given
+        )
 
     @cached_property
     def index(self) -> dict[str, int]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -73,14 +74,16 @@ class Keeper:
         return start + (1 + round((time - start) / self.every)) * self.every if self.every else 0.0
 
 
-def resumed(path: Path, system: str) -> Snapshot:
-    """The snapshot of a file. Raises ConfigError if it is none, or of another system."""
+def resumed(path: Path, system: str, instances: Iterable[str], size: int) -> Snapshot:
+    """The snapshot of a file, of so many values. Raises ConfigError if it is of another system."""
     where = f"--resume {path}"
     try:
         snapshot = Snapshot.read(path)
-    except (OSError, KeyError) as error:
+    except OSError as error:
         raise ConfigError([Problem(where, f"is not a snapshot: {error}")]) from None
     if snapshot.system != system:
         remedy = "only stop_time and plots may differ, and the FMUs must be the same"
         raise ConfigError([Problem(where, "is of another system", remedy)])
+    if snapshot.states.keys() != set(instances) or snapshot.values.shape != (size,):
+        raise ConfigError([Problem(where, "is damaged")])
     return snapshot

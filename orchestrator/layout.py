@@ -45,22 +45,30 @@ class Layout:
 
     def _segment(self, node: Node, elements: list[tuple[Port, list[int]]]) -> Segment:
         first, blocks = self.size, []
-        for type_ in dict.fromkeys(sorted((p.type for p, _ in elements), key=_reals_first)):
+        kinds = [(p.type, _changes_by_events(node, p)) for p, _ in elements]
+        for kind in dict.fromkeys(sorted(kinds, key=_reals_first)):
             start, references = self.size, []
-            for port, chosen in elements:
-                for element in chosen if port.type == type_ else ():
+            for (port, chosen), found in zip(elements, kinds, strict=True):
+                for element in chosen if found == kind else ():
                     key = node.name, port.name, element
                     self.positions[key] = self.size
                     self.keys.append(key)
                     references.append(port.references[element])
             if references:
                 unique = tuple(dict.fromkeys(references))
-                blocks.append(Block(type_, unique, start, self.size))
+                type_, events = kind
+                blocks.append(Block(type_, unique, start, self.size, events))
         return Segment(first, self.size, tuple(blocks))
 
 
-def _reals_first(type_: str) -> tuple[bool, str]:
-    return type_ not in ("Real", "Float64"), type_
+def _changes_by_events(node: Node, port: Port) -> bool:
+    discrete = port.causality == "input" and port.variability == "discrete"
+    return discrete and node.fmu.event_mode
+
+
+def _reals_first(kind: tuple[str, bool]) -> tuple[bool, bool, str]:
+    type_, events = kind
+    return events, type_ not in ("Real", "Float64"), type_
 
 
 def drives_of(graph: SystemGraph) -> dict[Key, tuple[Key, float, float]]:

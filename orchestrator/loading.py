@@ -46,7 +46,10 @@ STOPGAPS = {  # stand in for what is missing or wrong while the rest is checked
 
 @dataclass(frozen=True)
 class Loaded:
-    """A config with the texts that it came from, its folder and the merged data."""
+    """A config with the texts that it came from, its folder and the merged data.
+
+    Values that stand in files of their own are in the data, so that it says all that is run.
+    """
 
     config: Config
     folder: Path
@@ -90,11 +93,22 @@ def check(
         problems.append(_place(problem, path, texts, {}))
     config, found = _validated(Config, expansion.data, texts, expansion.origins)
     problems += found
-    loaded = Loaded(config, folder, data, texts, expansion.origins)
+    loaded = Loaded(config, folder, _with(data, expansion.read), texts, expansion.origins)
     for path, what, remedy in inconsistencies(config):
         problem = Problem(".".join(str(p) for p in path), what, remedy)
         problems.append(loaded.place(problem, path))
     return loaded, problems
+
+
+def _with(data: Mapping[str, Any], values: Mapping[Key, Any]) -> Mapping[str, Any]:
+    """Data with other values at some places."""
+    changed = copy.deepcopy(dict(data)) if values else data
+    for path, value in values.items():
+        table: Any = changed
+        for key in path[:-1]:
+            table = table[key]
+        table[path[-1]] = value
+    return changed
 
 
 def _validated(
@@ -125,7 +139,8 @@ def _overridden(
     for key, value in overrides.items():
         table, _, name = key.partition(".")
         if table == "repeat":
-            known = changed.get("repeat", {})
+            known = changed.get("repeat")
+            known = known if isinstance(known, dict) else {}
             if name not in known:
                 remedy = nearest(name, known, "indices")
                 problems.append(Problem(f"--set {key}", f"nothing repeats over {name}", remedy))

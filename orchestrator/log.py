@@ -1,14 +1,18 @@
-"""One log for the messages of all FMUs: kept in a file, with the last error of each instance."""
+"""One log for the messages of all FMUs: kept in a file, with the latest errors of each instance."""
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 from typing import IO
 
 OK, WARNING, DISCARD, ERROR, FATAL = range(5)
 STATUS = ("OK", "warning", "discard", "error", "fatal", "pending")
-ENDED, STUCK = 100, 101  # of our own
-OUR_OWN = {ENDED: "a request to end the simulation", STUCK: "events without end"}
+ENDED, STUCK, LOST = 100, 101, 102  # of our own
+OUR_OWN = {
+    ENDED: "a request to end the simulation", STUCK: "events without end",
+    LOST: "the end of its process",
+}  # fmt: skip
 
 
 def status_name(status: int) -> str:
@@ -18,13 +22,16 @@ def status_name(status: int) -> str:
     return STATUS[status] if 0 <= status < len(STATUS) else f"the unknown status {status}"
 
 
+MOST = 8  # messages that an error quotes
+
+
 class RunLog:
     """Writes ``log.txt`` once there is something to write; counts warnings and worse."""
 
     def __init__(self, path: Path | None) -> None:
         self.path = path
         self.warnings = 0
-        self._last: dict[str, tuple[int, str]] = {}
+        self._complaints: dict[str, tuple[int, list[str]]] = {}  # their status, their texts
         self._file: IO[str] | None = None
         if path is not None:
             path.unlink(missing_ok=True)
@@ -34,20 +41,32 @@ class RunLog:
         message = message.strip()
         if status > OK:
             self.warnings += 1
-            # what made the FMU give up says more than that it gave up
-            if status != FATAL or self._last.get(instance, (OK, ""))[0] != ERROR:
-                self._last[instance] = (status, message.partition("\n")[0])
-        if self.path is not None:
-            if self._file is None:
-                self._file = self.path.open("w", encoding="utf-8")
-            self._file.write(f"{instance}: {status_name(status)} [{category}] {message}\n")
-            self._file.flush()
+            self._complain(instance, status, ": ".join(message.splitlines()[:2]))
+        with suppress(OSError):  # a full disk is the results' to tell
+            self._write(f"{instance}: {status_name(status)} [{category}] {message}\n")
 
-    def last(self, instance: str) -> str:
-        """The last warning or error of an instance; empty if it had none."""
-        return self._last.get(instance, (OK, ""))[1]
+    def complaint(self, instance: str) -> str:
+        """The errors of an instance since it was last asked for, or else its last warning."""
+        _, texts = self._complaints.pop(instance, (OK, []))
+        more = len(texts) - MOST
+        return "; ".join([*texts[:MOST], *([f"and {more} more, see the log"] if more > 0 else [])])
+
+    def _complain(self, instance: str, status: int, text: str) -> None:
+        before, texts = self._complaints.get(instance, (OK, []))
+        if status < before or (before, status) == (ERROR, FATAL):
+            return  # what made the FMU give up says more than that it gave up
+        texts = texts if status == before == ERROR else []
+        self._complaints[instance] = status, [*texts, *([text] if text not in texts else [])]
 
     def close(self) -> None:
         """Close the file."""
         if self._file is not None:
-            self._file.close()
+            with suppress(OSError):
+                self._file.close()
+
+    def _write(self, line: str) -> None:
+        if self.path is not None:
+            if self._file is None:
+                self._file = self.path.open("w", encoding="utf-8")
+            self._file.write(line)
+            self._file.flush()

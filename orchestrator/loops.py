@@ -154,8 +154,9 @@ class _Anderson:
 
 
 def _reals(unit: Unit) -> tuple[list[Block], list[Block]]:
+    none = [Block("Real", (), unit.inputs.first, unit.inputs.first)]
     inputs, outputs = (
-        [b for b in s.blocks if b.type in REALS] or [Block("Real", (), s.first, s.first)]
+        [b for b in s.blocks if b.type in REALS and not b.events] or none
         for s in (unit.inputs, unit.outputs)
     )
     return inputs, outputs

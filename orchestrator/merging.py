@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,6 +11,9 @@ from typing import Any
 from . import toml_text
 from .config import CONNECTION
 from .errors import ConfigError, Problem, nearest
+from .parsing import parse
+
+LARGEST = 16_000_000  # characters of a config
 
 
 @dataclass
@@ -25,30 +27,39 @@ class Merged:
 def read(path: Path, seen: tuple[Path, ...] = ()) -> Merged:
     """Read a config and the files that it extends. Raises ConfigError."""
     name = str(path)
-    if path.resolve() in seen:
+    if (own := Path(os.path.realpath(path))) in seen:
         raise ConfigError([Problem("extends", "a file extends itself", file=name)])
     try:
-        text = path.read_text(encoding="utf-8")
-        data = tomllib.loads(text)
+        text = _text(path)
+        data = parse(text)
     except FileNotFoundError:
         remedy = nearest(path.name, [p.name for p in path.parent.glob("*.toml")], "in that folder")
         raise ConfigError([Problem("config", f"there is no file {name}", remedy)]) from None
     except (OSError, UnicodeDecodeError) as error:
         raise ConfigError([Problem("config", f"cannot be read: {error}", file=name)]) from None
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:
         raise ConfigError([Problem("config", f"is not TOML: {error}", file=name)]) from None
     base_name = data.get("extends")
     if not isinstance(base_name, str):
         return Merged(data, [(name, text)])
     base_path = path.parent / base_name
-    if not base_path.is_file():
+    if not os.path.isfile(base_path):
         found = toml_text.find(text, ["extends"])
         problem = Problem("extends", f"there is no file {base_path}")
         raise ConfigError([problem.at(name, found[0] if found else None)])
-    base = read(base_path, (*seen, path.resolve()))
+    base = read(base_path, (*seen, own))
     _rebase(base.data, os.path.relpath(base_path.parent, path.parent))
     del data["extends"]
     return Merged(_merge(base.data, data), [(name, text), *base.texts])
+
+
+def _text(path: Path) -> str:
+    """A text file, whether or not it begins with a mark of its encoding."""
+    with path.open(encoding="utf-8-sig") as file:
+        text = file.read(LARGEST + 1)
+    if len(text) > LARGEST:
+        raise OSError(f"it has more than {LARGEST} characters")
+    return text
 
 
 def _rebase(data: dict[str, Any], folder: str) -> None:

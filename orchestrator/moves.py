@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import partial
 
@@ -10,6 +11,8 @@ from numpy.typing import NDArray
 
 from .plan import Array, Unit
 from .slave import Slave
+
+UNIT = 1e-9  # how far the squared norm of a unit vector may be from one
 
 
 class Moves:
@@ -66,17 +69,27 @@ class Moves:
         references = course.references * course.order
         self.set.append(self.slave.derive(references, orders, self.derivatives))
 
-    def follow(self) -> None:
-        """Turn the copied inputs into base, slope and curvature, and remember them."""
+    def follow(self, width: float) -> None:
+        """Turn the copied inputs into base, slope and curvature of a step; remember them."""
         assert self.unit.course is not None
         inputs = self.unit.course.inputs
         newest = self._values[inputs]
         for (a, b, c), out in zip(self.weights, self.polynomial, strict=True):
             out[:] = a * newest + b * self.older + c * self.oldest
+        for first, count in self.unit.course.directions:
+            self._end_on_sphere(newest, slice(first, first + count), width)
         self.oldest[:] = self.older
         self.older[:] = newest
         self._values[inputs] = self.polynomial[0]
         self.derivatives[:] = self.polynomial[1:].reshape(-1)
+
+    def _end_on_sphere(self, newest: Array, some: slice, width: float) -> None:
+        """Let inputs that form a unit vector form one at the end of the step too."""
+        base, slope, curvature = (row[some] for row in self.polynomial)
+        end = base + width * (slope + 0.5 * width * curvature)
+        square = _square(end)
+        if abs(_square(newest[some]) - 1.0) <= UNIT and square > 0.0:
+            slope += (1.0 / math.sqrt(square) - 1.0) / width * end
 
     def follow_on(self, time: float) -> None:
         """The course from a time after the step's start on."""
@@ -84,6 +97,14 @@ class Moves:
         base, slope, curvature = self.polynomial
         self._values[self.unit.course.inputs] = base + time * (slope + 0.5 * time * curvature)
         self.derivatives[:len(base)] = slope + time * curvature
+
+
+def _square(vector: Array) -> float:
+    """The squared norm, summed in the order in which the compiled loop does."""
+    total = 0.0
+    for element in vector.tolist():
+        total += element * element
+    return total
 
 
 def _copy(unit: Unit, values: Array) -> Callable[[], object]:

@@ -29,12 +29,16 @@ class Act(IntEnum):
 
 @dataclass(frozen=True)
 class Block:
-    """Values of one type: their value references, and where they are in the array."""
+    """Values of one type: their value references, and where they are in the array.
+
+    ``events``: inputs whose change is an event of the FMU.
+    """
 
     type: str
     references: tuple[int, ...]
     first: int
     last: int
+    events: bool = False
 
 
 @dataclass(frozen=True)
@@ -52,7 +56,8 @@ class Course:
 
     ``inputs`` are their positions; their values of the two steps before follow in the array from
     ``history`` on. ``newest`` tells at which instant a value is when it is copied: steps of the
-    system before the end of the FMU's step.
+    system before the end of the FMU's step. ``directions``: first and count of extrapolated inputs
+    that may be a unit vector or quaternion.
     """
 
     order: int
@@ -60,6 +65,7 @@ class Course:
     references: tuple[int, ...]
     newest: tuple[int, ...]
     history: int
+    directions: tuple[tuple[int, int], ...] = ()
 
 
 @dataclass(frozen=True)

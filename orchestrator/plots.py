@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import re
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from .config import Plot
-from .curves import Curve, chosen, curves
+from .curves import Curve, chosen, curves, plain
 from .plan import Array
 from .results import Results
 from .trajectory import draw_trajectory
@@ -35,7 +35,7 @@ def draw(
     """Draw every plot to a file named after its title. Raises OSError if it cannot be written."""
     paths = []
     for plot in plots:
-        path = folder / (plot.file or f"{slug(plot.title)}{suffix}")
+        path = folder / plot.file_name(suffix)
         save(figure_of(plot, results), path)
         paths.append(path)
     return paths
@@ -43,7 +43,9 @@ def draw(
 
 def save(figure: Figure, path: Path) -> None:
     """Write a figure; the same figure gives the same bytes. Raises OSError, ValueError."""
-    with matplotlib.rc_context({"svg.hashsalt": "sightline"}):
+    with matplotlib.rc_context({"svg.hashsalt": "sightline"}), warnings.catch_warnings():
+        for text in ("Glyph", "constrained_layout"):  # a title of strange signs, or too long
+            warnings.filterwarnings("ignore", text, UserWarning)
         figure.savefig(path, metadata=METADATA.get(path.suffix))
 
 
@@ -64,11 +66,6 @@ def figure_of(plot: Plot, results: Results) -> Figure:
     return figure
 
 
-def slug(title: str) -> str:
-    """A file name from a title."""
-    return re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-") or "plot"
-
-
 def _histories(figure: Figure, plot: Plot, lines: Sequence[Curve], time: Array) -> None:
     """One pair of axes per unit, one below the other."""
     units = list(dict.fromkeys(c.unit for c in lines))
@@ -77,19 +74,20 @@ def _histories(figure: Figure, plot: Plot, lines: Sequence[Curve], time: Array) 
     rows = figure.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]
     for axes, unit in zip(rows, units, strict=True):
         mine = [c for c in lines if c.unit == unit]
-        signed = plot.scale == "log" and any(np.any(c.values < 0) for c in mine)
+        logarithmic = plot.scale == "log" and any(np.any(c.values != 0) for c in mine)
+        signed = logarithmic and any(np.any(c.values < 0) for c in mine)
         _lines(axes, mine, time, absolute=signed)
         name = plot.y or _shared(mine)
         axes.set_ylabel(with_unit(f"|{name}|" if signed and name else name, unit))
-        axes.set_yscale(plot.scale)
-        if plot.scale == "linear":
+        axes.set_yscale("log" if logarithmic else "linear")
+        if not logarithmic:
             axes.ticklabel_format(axis="y", useOffset=False)
             if plot.kind == "angle":
                 axes.set_ylim(0.0, 1.05 * max(float(np.max(c.values)) for c in mine) or 1.0)
         axes.set_xmargin(0.0)
         axes.grid(True, **GRID)
         axes.spines[["top", "right"]].set_visible(False)
-    rows[0].set_title(plot.title)
+    rows[0].set_title(plain(plot.title))
     rows[-1].set_xlabel("time (s)")
 
 
@@ -100,13 +98,14 @@ def _lines(axes: Axes, lines: Sequence[Curve], time: Array, absolute: bool) -> N
         values = np.abs(curve.values) if absolute else curve.values
         if named:
             dash, colour = DASHES[number % len(DASHES)], COLOURS[number % len(COLOURS)]
-            axes.plot(time, values, dash, color=colour, linewidth=1.4, label=curve.label)
+            axes.plot(time, values, dash, color=colour, linewidth=1.4, label=plain(curve.label))
         else:
             axes.plot(time, values, color=shades[number], linewidth=0.6, label=curve.label)
     if len(lines) > 1 and named:
         axes.legend(frameon=False, fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5))
     elif len(lines) > 1:
-        span = f"{len(lines)} lines,\n{lines[0].label}\n(dark) to\n{lines[-1].label}\n(light)"
+        first, last = plain(lines[0].label), plain(lines[-1].label)
+        span = f"{len(lines)} lines,\n{first}\n(dark) to\n{last}\n(light)"
         axes.text(1.01, 0.5, span, transform=axes.transAxes, va="center", fontsize="small")
 
 
@@ -148,14 +147,15 @@ def _activity(figure: Figure, plot: Plot, rows: Sequence[Curve], time: Array) ->
             cmap="RdBu_r" if signed else "Blues", vmin=-largest if signed else 0.0, vmax=largest,
             rasterized=True,
         )  # fmt: skip
-        axes.set(ylim=(count + 0.5, 0.5), ylabel=port, yticks=range(1, count + 1))
+        axes.set(ylim=(count + 0.5, 0.5), ylabel=plain(port), yticks=range(1, count + 1))
         axes.tick_params(labelsize="small")
         sums = axes.twinx()
         sums.set(ylim=(count + 0.5, 0.5), yticks=range(1, count + 1))
         sums.set_yticklabels([f"{_integral(c.values, time):.3g}" for c in mine], fontsize="small")
         sums.tick_params(length=0)
     unit = rows[0].unit if rows else ""
-    all_axes[0].set_title(f"{plot.title}\nright: ∫|value| dt" + (f" ({unit} s)" if unit else ""))
+    sums_up = "right: ∫|value| dt" + (f" ({unit} s)" if unit else "")
+    all_axes[0].set_title(plain(f"{plot.title}\n{sums_up}"))
     all_axes[-1].set_xlabel("time (s)")
     figure.colorbar(image, ax=list(all_axes), label=with_unit("value", unit), pad=0.09)
 
@@ -181,4 +181,4 @@ def _shared(lines: Sequence[Curve]) -> str:
 
 def with_unit(name: str, unit: str) -> str:
     """The label of an axis."""
-    return f"{name} ({unit})" if name and unit else name or unit
+    return plain(f"{name} ({unit})" if name and unit else name or unit)

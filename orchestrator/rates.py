@@ -44,7 +44,7 @@ def _problems(
     for node in graph.nodes:
         every = rates[node.name].every
         path = ("instances", node.name, "every")
-        if simulation.steps % every:
+        if not simulation.adaptive and simulation.steps % every:
             near = max(1, round(simulation.steps / every)) * every * simulation.step
             what = f"{every} steps do not divide the run's {simulation.steps}"
             remedy = f"nearest stop_time: {simulation.start_time + near:.12g}"
@@ -60,14 +60,14 @@ def _problems(
             low = rates[slow].every // rates[fast].every * rates[fast].every
             remedy = f"{c} connects them; nearest: {low} or {low + rates[fast].every}"
             yield ("instances", slow, "every"), what, remedy
-    if simulation.algorithm == "adaptive":
+    if simulation.adaptive:
         yield from _adaptive(graph)
 
 
 def _own_step(simulation: Simulation, node: Node, rates: Rates) -> Iterator[Found]:
     """An FMU whose solver has a fixed step takes multiples of it."""
     own, width = node.fmu.fixed_step, rates.every * simulation.step / rates.parts
-    if own is None or simulation.algorithm == "adaptive":
+    if own is None or simulation.adaptive:
         return
     count = width / own
     if round(count) < 1 or abs(count - round(count)) > NEAR * max(count, 1.0):

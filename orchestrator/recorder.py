@@ -7,6 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from .errors import RunError
+from .finite import Watch
 from .plan import Array
 from .results import ResultsWriter
 from .stepper import Stepper
@@ -22,6 +24,7 @@ class Recorder:
         self.stepper = stepper
         self.writer = writer
         self.stride = stride
+        self.watch = Watch(stepper)
         self.rows: Array = np.zeros((ROWS, len(stepper.plan.recorded)))
         self.times: Array = np.zeros(ROWS)
         self.count = 0
@@ -37,15 +40,20 @@ class Recorder:
         stepper = self.stepper
         stepper.values.take(stepper.plan.recorded, out=self.rows[self.count], mode="clip")
         self._took([instant])
+        self.watch.look(instant)
 
     def room(self, number: int) -> int:
         """How many steps may be taken from here before rows must be written."""
         return (ROWS - self.count) * self.stride - number % self.stride
 
     def advance(self, first: int, last: int) -> None:
-        """Take steps; write if it is time to."""
+        """Take steps; write if it is time to. Raises NotFinite, RunError."""
         try:
             self.stepper.advance(first, last, self.stride, self.rows[self.count:])
+            self.watch.look(self.stepper.time(last))
+        except RunError as error:
+            self.watch.look(error.time, error)
+            raise
         finally:
             row, rows = first // self.stride + 1, self.stepper.rows
             self._took([self.stepper.time((row + i) * self.stride) for i in range(rows)])
@@ -57,7 +65,11 @@ class Recorder:
         self.written = time.perf_counter()
 
     def _took(self, instants: Sequence[float]) -> None:
-        self.times[self.count:self.count + len(instants)] = instants
-        self.count += len(instants)
+        first, self.count = self.count, self.count + len(instants)
+        self.times[first:self.count] = instants
+        bad = self.watch.bad_row(self.rows[first:self.count])
+        if bad is not None:
+            self.count = first + bad + 1
+            raise self.watch.refuse(self.rows[first + bad], float(self.times[first + bad]))
         if self.count == ROWS or time.perf_counter() - self.written > FLUSH:
             self.flush()

@@ -26,9 +26,9 @@ from .alike import without_numbers
 from .config import Repeat, Repeats
 from .errors import Problem
 from .merging import overlay
-from .spread import Refused, spread
+from .spread import Refused, spread, written_out
 
-PLACE = re.compile(r"\{\s*(?P<index>[A-Za-z_]\w*)\s*(?P<offset>[+-]\s*\d+)?\s*\}")
+PLACE = re.compile(r"\{\s*(?P<index>[A-Za-z_]\w*)\s*(?P<offset>[+-]\s*\d{1,9})?\s*\}")
 
 Path_ = tuple[str | int, ...]
 Origins = dict[Path_, Path_]  # where in a template a repeated instance or connection stands
@@ -36,10 +36,14 @@ Origins = dict[Path_, Path_]  # where in a template a repeated instance or conne
 
 @dataclass
 class Expansion:
-    """A config's data with all copies written out, and what is wrong with its templates."""
+    """A config's data with all copies written out, and what is wrong with its templates.
+
+    ``read``: what stands in files, as rules that hold the values themselves.
+    """
 
     data: dict[str, Any]
     origins: Origins = field(default_factory=dict)
+    read: dict[Path_, dict[str, Any]] = field(default_factory=dict)
     problems: list[tuple[Path_, str, str]] = field(default_factory=list)
 
 
@@ -140,14 +144,16 @@ class _Copies:
             for port, rule in values.items() if isinstance(values, dict) else ():
                 if not isinstance(rule, dict):
                     continue
+                path = ("repeat", index, "instances", name, key, port)
                 try:
                     column = spread(rule, template.count, self.folder, f"{name}.{port}")
                 except Refused as refused:
-                    path = ("repeat", index, "instances", name, key, port)
                     self._report(path, refused.what, refused.remedy)
                     for one in tables:
                         del one[key][port]
                 else:
+                    if "file" in rule:
+                        self.result.read[path] = written_out(rule, column)
                     for one, value in zip(tables, column, strict=True):
                         one[key][port] = value
         return tables

@@ -1,5 +1,8 @@
 """The results file: ``/time`` and ``/<instance>/<port>``, with units, frames and the config.
 
+``/conversions`` lists, a line each, what the config gives in other units than the FMUs', and
+``/fmus`` the FMUs by the SHA-256 of their files.
+
 Rows are kept in memory and written now and then; what has been flushed stays readable when the
 process dies. The same config gives a bit-identical file: it holds no time of day.
 """
@@ -7,17 +10,22 @@ process dies. The same config gives a bit-identical file: it holds no time of da
 from __future__ import annotations
 
 import csv
+import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import TracebackType
 from typing import Any
+from urllib.parse import unquote
 
 import h5py
 import numpy as np
 
+from . import space
 from .graph import SystemGraph
+from .hdf5 import numbers, opened
 from .plan import Array
+from .provenance import fmus
 from .signals import Signal
 
 FILE = "results.h5"
@@ -37,7 +45,10 @@ class Column:
 
 
 class ResultsWriter:
-    """Appends rows; ``expected`` is how many. Raises OSError if the folder cannot be written."""
+    """Appends rows; ``expected`` is how many, if known.
+
+    Raises OSError if the folder cannot be written.
+    """
 
     def __init__(
         self,
@@ -45,18 +56,22 @@ class ResultsWriter:
         graph: SystemGraph,
         signals: Sequence[Signal],
         config: str,
-        expected: int = CHUNK,
+        expected: int | None = None,
     ) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         self.path = folder / FILE
         self.path.unlink(missing_ok=True)
         self.samples = 0
         self.columns = columns_of(signals)
-        self._chunk = max(1, min(CHUNK, expected))
+        self._chunk = min(CHUNK, expected or CHUNK)
+        self._make_room(len(config.encode()) + space.NODE * 2 * (len(signals) + len(graph.nodes)))
         self._file = h5py.File(self.path, "w", libver="earliest", track_order=True)
         self._file["config"] = config  # an attribute holds 64 kB at most
+        self._file["conversions"] = "\n".join(graph.conversions)
+        self._file["fmus"] = "\n".join(fmus(graph))
         self._file.attrs["sightline_version"] = _version()
         self._file.attrs["complete"] = False
+        self._file.attrs["steps"] = self._file.attrs["rejected_steps"] = 0
         self._time = self._dataset("time", (), "f8", {"unit": "s", "description": "time"})
         for instance in dict.fromkeys(c.signal.instance for c in self.columns):
             self._file.create_group(instance, track_order=True)
@@ -68,6 +83,7 @@ class ResultsWriter:
         count = len(times)
         if not count:
             return
+        self._take_room(count)
         first, self.samples = self.samples, self.samples + count
         for dataset in (self._time, *self._datasets):
             dataset.resize(self.samples, axis=0)
@@ -76,14 +92,33 @@ class ResultsWriter:
             shape = (count, *column.signal.port.shape)
             dataset[first:] = rows[:, column.first:column.last].reshape(shape)
         self._file.flush()
+        os.truncate(self.path, self._file.id.get_filesize())
 
-    def complete(self) -> None:
-        """Mark that the run reached its stop time."""
+    def complete(self, steps: int, rejected: int) -> None:
+        """Mark that the run reached its stop time, by so many steps."""
         self._file.attrs["complete"] = True
+        self._file.attrs["steps"] = steps
+        self._file.attrs["rejected_steps"] = rejected
 
     def close(self) -> None:
         """Close the file."""
         self._file.close()
+
+    def _make_room(self, count: int) -> None:
+        """Begin an empty file if there will be room for so many bytes. Raises OSError."""
+        self.path.touch()
+        try:
+            space.take(self.path, 0, count + space.SLACK)
+        except OSError:
+            self.path.unlink()
+            raise
+
+    def _take_room(self, count: int) -> None:
+        """Have room for so many more rows. Raises OSError."""
+        chunks = -(-(self.samples + count) // self._chunk) - -(-self.samples // self._chunk)
+        values = 1 + sum(c.last - c.first for c in self.columns)
+        each = 8 * self._chunk * values + space.NODE * (1 + len(self.columns))
+        space.take(self.path, self._file.id.get_filesize(), chunks * each + space.SLACK)
 
     def __enter__(self) -> ResultsWriter:
         return self
@@ -132,12 +167,19 @@ class Series:
 
 @dataclass(frozen=True)
 class Results:
-    """A results file in memory: ``results["craft1.position"]`` is an array over ``time``."""
+    """A results file in memory: ``results["craft1.position"]`` is an array over ``time``.
+
+    ``steps``: how many were taken, if complete; ``rejected``: those that error control took again.
+    """
 
     time: Array
     series: Mapping[str, Series]
     complete: bool
     config: str
+    conversions: tuple[str, ...] = ()
+    fmus: tuple[str, ...] = ()
+    steps: int = 0
+    rejected: int = 0
 
     def __getitem__(self, name: str) -> Array:
         return self.series[name].values
@@ -155,30 +197,29 @@ class Results:
 
 def read(path: Path) -> Results:
     """Read a results file, complete or not. Raises OSError if it is none."""
-    with h5py.File(path, "r") as file:
+    with opened(path) as file:
         found: dict[str, Series] = {}
         for instance in (n for n in file if isinstance(file[n], h5py.Group)):
-            for port, data in _datasets(file[instance], ""):
+            for name, data in file[instance].items():
                 attributes = (str(data.attrs[a]) for a in ("unit", "frame", "description"))
-                found[f"{instance}.{port}"] = Series(data[()], *attributes)
-        complete = bool(file.attrs["complete"])
-        return Results(file["time"][()], found, complete, file["config"].asstr()[()])
-
-
-def _datasets(group: Any, prefix: str) -> Iterator[tuple[str, Any]]:
-    """All datasets of a group; a foreign FMU's variable may have slashes in its name."""
-    for name, item in group.items():
-        if isinstance(item, h5py.Dataset):
-            yield prefix + name, item
-        else:
-            yield from _datasets(item, f"{prefix}{name}/")
+                found[f"{instance}.{unquote(name)}"] = Series(numbers(data), *attributes)
+        texts = (file[n].asstr()[()] for n in ("config", "conversions", "fmus"))
+        config, conversions, fmus = texts
+        time = numbers(file["time"])
+        rows = min([len(time), *(len(s.values) for s in found.values())])  # whole ones, if killed
+        found = {n: replace(s, values=s.values[:rows]) for n, s in found.items()}
+        return Results(
+            np.ravel(time)[:rows], found, bool(file.attrs["complete"]), config,
+            tuple(conversions.splitlines()), tuple(fmus.splitlines()), int(file.attrs["steps"]),
+            int(file.attrs["rejected_steps"]),
+        )  # fmt: skip
 
 
 def holding(paths: Iterable[Path], rows: int) -> Path | None:
     """The first of some files that holds so many rows; None if none does."""
     for path in paths:
         if path.is_file():
-            with h5py.File(path, "r") as file:
+            with opened(path) as file:
                 if len(file["time"]) >= rows:
                     return path
     return None
@@ -186,7 +227,7 @@ def holding(paths: Iterable[Path], rows: int) -> Path | None:
 
 def copy_rows(path: Path, rows: int, writer: ResultsWriter) -> None:
     """Write the first rows of another file with the same signals. Raises OSError."""
-    with h5py.File(path, "r") as file:
+    with opened(path) as file:
         if len(file["time"]) < rows:
             raise OSError(f"{path} has {len(file['time'])} rows, not {rows}")
         for first in range(0, rows, CHUNK):

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from .adaptive import Control, grid
-from .config import Simulation
+from .config import Config, Simulation
+from .errors import RunError
 from .graph import SystemGraph
 from .keeper import Keeper
 from .log import RunLog
@@ -22,6 +23,11 @@ from .sampling import sample_period
 from .starting import start
 from .stepper import Stepper
 
+UNSTABLE = (
+    'under algorithm = "jacobi" inputs are extrapolated, through every FMU of a chain again: this '
+    'is unstable for all but small steps; set algorithm = "gauss-seidel", coupling = "hold" or a '
+    "smaller step"
+)
 GLANCE = 0.1  # s between looks at progress and interrupts
 
 
@@ -46,8 +52,7 @@ class Statistics:
 def run(
     graph: SystemGraph,
     plan: Plan,
-    simulation: Simulation,
-    stride: int,
+    config: Config,
     writer: ResultsWriter,
     log: RunLog,
     show: Callable[[float], None] = lambda _: None,
@@ -55,39 +60,54 @@ def run(
 ) -> Statistics:
     """Run from start to stop time, or with a ``keeper`` from where it resumes.
 
-    Raises RunError if an FMU fails, FmuError if an archive is damaged, Interrupted on Ctrl-C; what
-    was recorded until then is written. A stride of 0 records every step of the adaptive algorithm.
+    Raises RunError if an FMU fails, FmuError if an archive is damaged, Interrupted on Ctrl-C or
+    SIGTERM, OSError if results cannot be written; what was recorded until then is written.
     """
+    simulation = config.simulation
     with ExitStack() as stack:
+        stack.enter_context(_advice(simulation))
+        stopped = stack.enter_context(_interrupts())
         stepper, rested = start(graph, plan, simulation, log, stack)
-        recorder = Recorder(stepper, writer, stride)
+        recorder = Recorder(stepper, writer, config.record_stride)
         keeper = keeper or Keeper()
         number = keeper.begin(stepper, recorder)
-        stopped = stack.enter_context(_interrupts())
         began = time.perf_counter()
         steps, rejected = simulation.steps, 0
-        if simulation.algorithm == "adaptive":
+        if simulation.adaptive:
             control = Control(stepper, simulation.tolerance, plan.smooth)
-            instants = _instants(graph, plan, simulation, stride)
+            instants = _instants(graph, plan, config)
             keeper.control = control
             keeper.put_control()
             instants = (i for i in instants if i[0] > control.past[0])
-            _adapt(control, recorder, instants, stopped, show, keeper)
+            everything = config.record.every is None
+            _adapt(control, recorder, instants, everything, stopped, show, keeper)
             steps, rejected = control.accepted, control.rejected
         else:
             _loop(stepper, recorder, number, steps, stopped, show, keeper)
-        writer.complete()
+        writer.complete(steps, rejected)
         return Statistics(steps, time.perf_counter() - began, rested, rejected)
 
 
+@contextmanager
+def _advice(simulation: Simulation) -> Iterator[None]:
+    """Adds to an error what may be the reason."""
+    try:
+        yield
+    except RunError as error:
+        if simulation.algorithm == "jacobi" and simulation.coupling != "hold":
+            error.add_note(UNSTABLE)
+        raise
+
+
 def _instants(
-    graph: SystemGraph, plan: Plan, simulation: Simulation, stride: int
+    graph: SystemGraph, plan: Plan, config: Config
 ) -> Iterator[tuple[float, bool]]:
     """Instants that steps must not pass, and whether they are recorded."""
+    simulation = config.simulation
     step = simulation.step
     periods = {sample_period(node) for node in graph.nodes} - {0.0}
     periods |= {u.every * step for u in plan.units if u.every > 1}
-    records = [stride * step] if stride else []
+    records = [] if config.record.every is None else [config.record.every]
     return grid(simulation.start_time, simulation.stop_time, records, sorted(periods))
 
 
@@ -95,6 +115,7 @@ def _adapt(
     control: Control,
     recorder: Recorder,
     instants: Iterator[tuple[float, bool]],
+    everything: bool,
     stopped: threading.Event,
     show: Callable[[float], None],
     keeper: Keeper,
@@ -103,7 +124,7 @@ def _adapt(
     try:
         for instant, recorded in instants:
             for reached in control.reach(instant):
-                if recorder.stride == 0 or (recorded and reached == instant):
+                if everything or (recorded and reached == instant):
                     recorder.add(reached)
                 keeper.reached(control.accepted, reached)
                 if stopped.is_set():
@@ -148,7 +169,10 @@ def _loop(
 
 @contextmanager
 def _interrupts() -> Iterator[threading.Event]:
-    """Ctrl-C sets an event instead of breaking into an FMU; a second one breaks."""
+    """Ctrl-C or a request to terminate sets an event instead of breaking into an FMU.
+
+    A second one breaks.
+    """
     stopped = threading.Event()
     if threading.current_thread() is not threading.main_thread():
         yield stopped
@@ -159,8 +183,9 @@ def _interrupts() -> Iterator[threading.Event]:
             signal.default_int_handler(number, frame)
         stopped.set()
 
-    before = signal.signal(signal.SIGINT, stop)
+    before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         yield stopped
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -57,7 +57,7 @@ class Session:
             )
             self._slaves = {slave.name: slave for slave in self._stepper.slaves}
             self._control: Control | None = None
-            if parts.simulation.algorithm == "adaptive":
+            if parts.simulation.adaptive:
                 tolerance = parts.simulation.tolerance
                 self._control = Control(self._stepper, tolerance, parts.plan.smooth)
             self._stack = stack.pop_all()
@@ -69,7 +69,12 @@ class Session:
     @property
     def time(self) -> float:
         """The time reached, s."""
-        return self._stepper.time(self.number)
+        return self._instant(self.number)
+
+    def _instant(self, number: int) -> float:
+        simulation = self._parts.simulation
+        last = number == simulation.steps and simulation.adaptive
+        return simulation.stop_time if last else self._stepper.time(number)
 
     def __iter__(self) -> Iterator[float]:
         """Step to the stop time; gives the time after each communication step."""
@@ -86,7 +91,7 @@ class Session:
             self.number = last
             return
         for _ in range(count):
-            for _time in self._control.reach(self._stepper.time(self.number + 1)):
+            for _time in self._control.reach(self._instant(self.number + 1)):
                 pass
             self.number += 1
 

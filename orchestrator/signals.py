@@ -28,8 +28,9 @@ class Signal:
 
     @property
     def dataset(self) -> str:
-        """Where the results hold the whole port."""
-        return f"{self.instance}/{self.port.name}"
+        """Where the results hold the whole port, quoted as in a URL: slashes make groups."""
+        name = "%2E" if self.port.name == "." else self.port.name.replace("%", "%25")
+        return f"{self.instance}/{name.replace('/', '%2F')}"
 
 
 def match(pattern: str, graph: SystemGraph) -> list[Signal]:

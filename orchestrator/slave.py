@@ -31,6 +31,7 @@ DOUBLES = ctypes.POINTER(c_double)
 class Slave(ABC):
     """One instance. Every method raises RunError when the FMU refuses, unless it says else."""
 
+    isolated: ClassVar[bool] = False  # whether it runs in a process of its own
     prefix: ClassVar[str]
     state_word: ClassVar[str]  # how the names of functions of states spell "state"
     dtypes: ClassVar[Mapping[str, Any]]  # numpy's type for each type of variable
@@ -51,7 +52,7 @@ class Slave(ABC):
             raise RunError(self.name, 0.0, "loading", "error", str(error)) from None
         if not component:
             self.dead = True
-            raise RunError(self.name, 0.0, "instantiation", "error", log.last(self.name))
+            raise RunError(self.name, 0.0, "instantiation", "error", log.complaint(self.name))
         self.component: int = component
         self.handle = c_void_p(component)
 
@@ -203,7 +204,7 @@ class Slave(ABC):
         else:
             self._initialised = self._initialised and status == DISCARD
         raise RunError(
-            self.name, self.time, action, status_name(status), self.log.last(self.name)
+            self.name, self.time, action, status_name(status), self.log.complaint(self.name)
         )
 
     def _said(self, status: int, category: bytes | None, text: bytes | None) -> None:

@@ -15,9 +15,11 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from . import space
 from .adaptive import Control
 from .errors import ConfigError, Problem
 from .graph import SystemGraph
+from .hdf5 import numbers, opened
 from .plan import Array
 from .stepper import Stepper
 
@@ -37,6 +39,9 @@ class Snapshot:
     def write(self, path: Path) -> None:
         """Write the file, whole or not at all. Raises OSError."""
         part = path.with_name(f"{path.name}.part")
+        part.touch()
+        held = self.values.nbytes + sum(len(state) + space.NODE for state in self.states.values())
+        space.take(part, 0, held + space.SLACK)
         with h5py.File(part, "w", libver="earliest") as file:
             file.create_dataset("values", data=self.values, track_times=False)
             for name, state in self.states.items():
@@ -51,12 +56,12 @@ class Snapshot:
 
     @classmethod
     def read(cls, path: Path) -> Snapshot:
-        """Read a file. Raises OSError or KeyError if it is none."""
-        with h5py.File(path, "r") as file:
-            states = {name: data[()].tobytes() for name, data in file["states"].items()}
+        """Read a file. Raises OSError if it is none."""
+        with opened(path) as file:
+            states = {name: numbers(data).tobytes() for name, data in file["states"].items()}
             return cls(
-                int(file.attrs["number"]), float(file.attrs["time"]), file["values"][()], states,
-                int(file.attrs["rows"]), tuple(map(float, file.attrs["control"])),
+                int(file.attrs["number"]), float(file.attrs["time"]), numbers(file["values"]),
+                states, int(file.attrs["rows"]), tuple(map(float, file.attrs["control"])),
                 str(file.attrs["system"]),
             )  # fmt: skip
 

@@ -7,6 +7,9 @@
     { random = "normal", mean = [0, 0, 0], sigma = [1, 1, 1], seed = 7 }
     { random = "attitude", seed = 7 }                    every attitude alike likely
     { random = "direction", seed = 7 }                   every unit vector alike likely
+    { value = 0.15, unit = "deg/sqrt(h)" }               one value in a unit of its own for all
+
+Each takes ``unit`` besides. It is left for :mod:`.quantities` to convert, copy by copy.
 
 A random value depends on the seed, the number of the copy and the name of the value only: the
 third copy of ten is the third of a thousand.
@@ -48,6 +51,12 @@ class Refused(Exception):
 
 def spread(rule: Mapping[str, Any], count: int, folder: Path, name: str) -> list[Any]:
     """The values of all copies. ``name`` keeps random values of one seed apart. Raises Refused."""
+    if "value" in rule:
+        return [dict(rule) for _ in range(count)]
+    if "unit" in rule:
+        plain = {k: v for k, v in rule.items() if k != "unit"}
+        values = spread(plain, count, folder, name)
+        return [{"value": v, "unit": rule["unit"]} for v in values]
     kind = next((k for k in KEYS if k in rule), None)
     if kind is None:
         raise Refused("is a table", f"give each copy's value by {', '.join(KEYS)}")
@@ -63,6 +72,13 @@ def spread(rule: Mapping[str, Any], count: int, folder: Path, name: str) -> list
         "random": lambda: _random(rule, count, name),
     }
     return makers[kind]()
+
+
+def written_out(rule: Mapping[str, Any], column: list[Any]) -> dict[str, Any]:
+    """A rule that names no file any more but holds the values that it gave to all copies."""
+    if "unit" in rule:
+        return {"each": [given["value"] for given in column], "unit": rule["unit"]}
+    return {"each": column}
 
 
 def _each(values: Any, count: int) -> list[Any]:
@@ -82,9 +98,11 @@ def _plus(first: Any, step: Any, times: int) -> Any:
 
 def _rows(path: Path, columns: Any, count: int) -> list[Any]:
     try:
-        with path.open(newline="", encoding="utf-8") as file:
+        if path.exists() and not path.is_file():  # a device may never end
+            raise Refused(f"{path} is not a file")
+        with path.open(newline="", encoding="utf-8-sig") as file:
             rows = [row for row in csv.reader(file) if row]
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, ValueError, csv.Error) as error:  # what a path or an encoding can be
         raise Refused(f"{path} cannot be read: {error}") from None
     head = [cell.strip() for cell in rows[0]] if rows and not _are_numbers(rows[0]) else []
     rows = rows[1:] if head else rows
@@ -106,7 +124,7 @@ def _rows(path: Path, columns: Any, count: int) -> list[Any]:
 
 def _random(rule: Mapping[str, Any], count: int, name: str) -> list[Any]:
     kind, seed = rule["random"], rule["seed"]
-    if kind not in RANDOM:
+    if not isinstance(kind, str) or kind not in RANDOM:
         raise Refused(f"{kind!r} is not a distribution", f"supported: {', '.join(RANDOM)}")
     if not isinstance(seed, int) or isinstance(seed, bool):
         raise Refused(f"the seed is {seed!r}, not an integer")

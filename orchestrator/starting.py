@@ -8,12 +8,14 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
-from . import extraction
+from . import arithmetic, extraction
 from .config import Simulation
 from .errors import RunError
 from .fmi2 import Slave2
 from .fmi3 import Slave3
-from .graph import SystemGraph
+from .graph import Node, SystemGraph
+from .isolated_process import Process
+from .isolation import Isolated, values_of
 from .log import RunLog
 from .loops import Tolerance
 from .plan import Plan
@@ -45,11 +47,12 @@ def start(
     The stack frees all FMUs. Raises RunError if an FMU fails, FmuError if an archive is damaged.
     """
     slaves = load(graph, log, stack)
-    for node, slave in zip(graph.nodes, slaves, strict=True):
-        slave.initialise(node.settings, simulation.start_time, simulation.stop_time)
     tolerance = Tolerance(simulation.loop_tolerance, simulation.loop_iterations)
-    stepper = stepper_class()(plan, slaves, simulation.start_time, simulation.step, tolerance)
-    return stepper, stepper.initialise(simulation.steps)
+    with arithmetic.kept():
+        for node, slave in zip(graph.nodes, slaves, strict=True):
+            slave.initialise(node.settings, simulation.start_time, simulation.stop_time)
+        stepper = stepper_class()(plan, slaves, simulation.start_time, simulation.step, tolerance)
+        return stepper, stepper.initialise(simulation.steps)
 
 
 def load(graph: SystemGraph, log: RunLog, stack: ExitStack) -> list[Slave]:
@@ -58,19 +61,36 @@ def load(graph: SystemGraph, log: RunLog, stack: ExitStack) -> list[Slave]:
     stack.callback(log.close)
     folders: dict[Path, Path] = {}
     slaves: list[Slave] = []
+    processes = {n.name: _process(n, stack) for n in graph.nodes if n.isolated}  # start meanwhile
     alone: dict[Path, str] = {}
     for node in graph.nodes:
         path = node.fmu.path
         if path not in folders:
             folders[path] = extraction.unpacked(path)
-        if node.fmu.only_once and path in alone:
-            what = f"its FMU allows one instance in a process, {alone[path]} is another"
-            raise RunError(node.name, 0.0, "loading", "error", what)
-        alone[path] = node.name
-        slave = (Slave3 if node.fmu.version_3 else Slave2)(node, folders[path], log)
+        slave: Slave
+        if node.isolated:
+            slave = Isolated(node, folders[path], log, processes[node.name])
+        else:
+            if node.fmu.only_once and path in alone:
+                what = f"its FMU allows one instance in a process, {alone[path]} is another"
+                remedy = "isolate = true gives it a process of its own"
+                raise RunError(node.name, 0.0, "loading", "error", f"{what}; {remedy}")
+            alone[path] = node.name
+            with arithmetic.kept():
+                slave = (Slave3 if node.fmu.version_3 else Slave2)(node, folders[path], log)
         stack.callback(slave.free)
         slaves.append(slave)
     return slaves
+
+
+def _process(node: Node, stack: ExitStack) -> Process:
+    """The process of an isolated FMU; the stack ends it. Raises RunError."""
+    try:
+        process = Process(node.time_limit, values_of(node.fmu))
+    except OSError as error:
+        raise RunError(node.name, 0.0, "the start of its process", "error", str(error)) from None
+    stack.callback(process.close)
+    return process
 
 
 @contextmanager

@@ -171,7 +171,7 @@ class PythonStepper(Stepper):
     def _write(self, move: Moves, number: int) -> None:
         move.copy()
         if move.unit.course is not None:
-            move.follow()
+            move.follow(self.span(move, number)[1])
         self._put(move, number)
 
     def _put(self, move: Moves, number: int) -> None:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,7 @@ from . import results as results_file
 from . import run as runner
 from . import toml_text
 from .assembly import Say, fmus_of, override
+from .config import LARGEST
 from .errors import ConfigError, Problem
 from .graph import SystemGraph
 from .keeper import Keeper, resumed
@@ -101,6 +102,11 @@ class System:
         plan = compile_plan(graph, order, selection.recorded, rates, degree)
         return cls(loaded, graph, order, selection, plan)
 
+    def isolated(self) -> System:
+        """The same system with every FMU in a process of its own."""
+        nodes = tuple(replace(node, isolated=True) for node in self.graph.nodes)
+        return replace(self, graph=replace(self.graph, nodes=nodes))
+
     def simulate(
         self,
         out: str | Path | None = None,
@@ -120,8 +126,6 @@ class System:
         self.execute(out, checkpoint_every=checkpoint_every, resume=resume)
         return results_file.read(Path(out) / results_file.FILE)
 
-    run = simulate
-
     def execute(
         self,
         out: str | Path,
@@ -138,17 +142,17 @@ class System:
         Interrupted, OSError; rows until then are in the results.
         """
         folder = Path(out)
-        config = self.loaded.config
+        if checkpoint_every and not 1 / LARGEST <= checkpoint_every <= LARGEST:
+            what = f"{checkpoint_every:g} is not from {1 / LARGEST:g} to {LARGEST:g}"
+            raise ConfigError([Problem("--checkpoint-every", what)])
         keeper = self._keeper(folder, checkpoint_every, None if resume is None else Path(resume))
-        free = config.simulation.algorithm == "adaptive" and config.record.every is None
-        stride = 0 if free else config.record_stride
-        rows = config.simulation.steps // max(1, stride) + 1
+        config = self.loaded.config
         with results_file.ResultsWriter(
-            folder, self.graph, self.selection.recorded, self.loaded.text, rows
+            folder, self.graph, self.selection.recorded, self.loaded.text, config.rows
         ) as writer:
             log = RunLog(folder / "log.txt")
             statistics = runner.run(
-                self.graph, self.plan, config.simulation, stride, writer, log, show, keeper
+                self.graph, self.plan, config, writer, log, show, keeper
             )
         (folder / BEFORE).unlink(missing_ok=True)
         return statistics
@@ -168,7 +172,7 @@ class System:
         system = self._identity() if every > 0 or resume else ""
         keeper = Keeper(out / CHECKPOINT, every, system=system)
         if resume is not None:
-            keeper.resumed = resumed(resume, system)
+            keeper.resumed = resumed(resume, system, self.graph.index, self.plan.size)
             keeper.recorded = results_file.holding(
                 [resume.parent / n for n in (results_file.FILE, BEFORE)], keeper.resumed.rows
             )

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from .curves import plain
 from .results import Results
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f3c8d")
@@ -18,7 +19,7 @@ def draw_trajectory(figure: Figure, title: str, names: Sequence[str], results: R
     """Draw positions relative to the last of ``names``, in two or three dimensions."""
     reference = results[names[-1]]
     paths = [results[name] - reference for name in names[:-1]]
-    unit, dimensions = results.series[names[-1]].unit, reference.shape[1]
+    unit, dimensions = plain(results.series[names[-1]].unit), reference.shape[1]
     figure.set_size_inches(6.5, 6.0)
     axes: Any = figure.add_subplot(projection="3d" if dimensions == 3 else None)
     points = np.vstack([*paths, np.zeros((1, dimensions))])
@@ -44,8 +45,8 @@ def draw_trajectory(figure: Figure, title: str, names: Sequence[str], results: R
     axes.grid(True, color="#dddddd", linewidth=0.6)
     place = {"loc": "upper left", "bbox_to_anchor": (-0.05, 1.0)} if dimensions == 3 else {}
     axes.legend(frameon=False, fontsize="small", **place)
-    axes.set_title(title)
+    axes.set_title(plain(title))
 
 
 def _instance(name: str) -> str:
-    return name.partition(".")[0]
+    return plain(name.partition(".")[0])

@@ -4,15 +4,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ..fmus.units import UnitError as UnitError
+from ..fmus.units import unit as unit_by_name
+
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit's name and, where the FMU defines it, its base-unit exponents, factor and offset."""
+    """A unit's name and, where it is defined, its base-unit exponents, factor and offset.
+
+    FMI defines units of integer exponents only; others are declared by name.
+    """
 
     name: str
-    exponents: tuple[int, ...] | None = None
+    exponents: tuple[float, ...] | None = None
     factor: float = 1.0
     offset: float = 0.0
 
@@ -23,7 +29,7 @@ class Unit:
     def dimension(self) -> str:
         """The base units, such as ``kg.m.s-2``; ``1`` where there is none."""
         parts = [
-            f"{base}{power if power != 1 else ''}"
+            f"{base}{f'{power:g}' if power != 1 else ''}"
             for base, power in zip(BASE, self.exponents or (), strict=False)
             if power
         ]
@@ -44,6 +50,18 @@ class Conversion:
 
 
 UNCHANGED = Conversion()
+
+
+def unit_of(name: str) -> Unit:
+    """A unit by its name alone, such as ``deg/sqrt(h)``. Raises UnitError if it is not a unit."""
+    found = unit_by_name(name)
+    exponents = tuple(found.powers.get(base, 0.0) for base in BASE)
+    return Unit(name, exponents, found.factor, found.offset)
+
+
+def defined(unit: Unit) -> Unit:
+    """A unit with the meaning of its name if it has no definition. Raises UnitError."""
+    return unit if unit.exponents is not None else unit_of(unit.name)
 
 
 def conversion(source: Unit | None, destination: Unit | None) -> Conversion | None:

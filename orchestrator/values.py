@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-import math
+import re
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from .description import FmuDescription, Port
 from .errors import Problem, nearest
 from .graph import Scalar, Setting
+from .quantities import in_declared_unit
+from .spread import Refused
 
 Report = Callable[[Problem, tuple[str, ...]], None]
 TABLES = ("parameters", "start")
+LARGEST = (sys.float_info.max, 3.4028234663852886e38)  # of Float64 and of Float32
 
 
 def settings(
@@ -57,15 +61,22 @@ def _setting(
     if right != table:
         kind = "a parameter" if right == "parameters" else "not a parameter but a start value"
         return f"{name} is {kind}", f"give it in {right}"
-    port = fmu.ports[name]
+    port, given = fmu.ports[name], ""
+    if isinstance(value, Mapping):
+        try:
+            value, given = in_declared_unit(port, value)
+        except Refused as refused:
+            return refused.what, refused.remedy
     shape = _shape(value)
     if shape != port.shape:
         return f"has {_words(shape)}, {name} needs {_words(port.shape)}", ""
     flat = tuple(_flatten(value))
     for element, scalar in enumerate(flat):
         if wrong := _wrong(port, scalar):
+            if given and isinstance(scalar, int | float):
+                wrong += f" {port.unit}, given as {given}"
             return f"{port.label(element)} {wrong}", _remedy(port)
-    return Setting(port, tuple(_convert(port, s) for s in flat))
+    return Setting(port, tuple(_convert(port, s) for s in flat), given)
 
 
 def _shape(value: Any) -> tuple[int, ...] | None:
@@ -108,13 +119,22 @@ def _wrong(port: Port, scalar: Any) -> str:
         return f"is {scalar!r}, not {'an' if port.kind[0] in 'ei' else 'a'} {port.kind}"
     if not number:
         return ""
-    if not math.isfinite(scalar):
+    if port.kind == "real" and not abs(scalar) <= LARGEST[port.type == "Float32"]:
         return f"is {scalar}, not a finite number"
+    if port.kind != "real" and scalar not in (whole := _range(port.type)):
+        return f"is {scalar}, not from {whole[0]} to {whole[-1]}"
     if port.minimum is not None and scalar < port.minimum:
         return f"is {scalar:g}, below the minimum {port.minimum:g}"
     if port.maximum is not None and scalar > port.maximum:
         return f"is {scalar:g}, above the maximum {port.maximum:g}"
     return ""
+
+
+def _range(kind: str) -> range:
+    """The integers of a type of FMI; an Integer of FMI 2.0 has 32 bits."""
+    found = re.fullmatch(r"(U?)Int(\d+)", kind)
+    unsigned, bits = (bool(found[1]), int(found[2])) if found else (False, 32)
+    return range(2**bits) if unsigned else range(-(2 ** (bits - 1)), 2 ** (bits - 1))
 
 
 def _remedy(port: Port) -> str:

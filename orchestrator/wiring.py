@@ -6,12 +6,12 @@ import itertools
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from .config import CONNECTION
 from .description import FmuDescription
 from .errors import Problem, nearest
-from .graph import Connection, End, Node, SystemGraph
+from .graph import TIME_LIMIT, Connection, End, Node, SystemGraph
 from .loading import Loaded
 from .units import Conversion, Unit, conversion
 from .values import settings
@@ -47,7 +47,8 @@ class Wiring:
         found = [self._connection(i, c) for i, c in enumerate(self.loaded.config.connections)]
         self._note_undriven()
         connections = tuple(c for c in found if c is not None)
-        return SystemGraph(tuple(self.nodes.values()), connections, tuple(self.notes))
+        graph = SystemGraph(tuple(self.nodes.values()), connections)
+        return replace(graph, notes=(*graph.conversions, *self.notes))
 
     def _report(self, problem: Problem, path: tuple[str, ...]) -> None:
         self.problems.append(self.loaded.place(problem, path))
@@ -57,12 +58,13 @@ class Wiring:
         tables = {"parameters": instance.parameters, "start": instance.start}
         values = settings(name, fmu, tables, self._report)
         roles = {p.frame for p in fmu.ports.values() if p.frame} - {"inertial"}
-        for role in instance.frames:
+        for role in instance.frames if roles else ():  # a foreign FMU may stand in for a block
             if role not in roles:
                 path = ("instances", name, "frames", role)
                 what = f"{fmu.model_name} has no frame of this role"
                 self._report(Problem(".".join(path), what, nearest(role, roles, "roles")), path)
-        return Node(name, fmu, values, instance.frames)
+        limit = TIME_LIMIT if instance.time_limit is None else instance.time_limit
+        return Node(name, fmu, values, instance.frames, instance.isolate, limit)
 
     def _connection(self, number: int, text: str) -> Connection | None:
         match = CONNECTION.match(text)
@@ -149,6 +151,9 @@ class Wiring:
             if idle:
                 them = "its start value" if len(idle) == 1 else "their start values"
                 self.notes.append(f"{name}: nothing drives {', '.join(idle)}; kept at {them}")
+            if fmu.others:
+                them = ", ".join(f"{other} ({type_})" for other, type_ in fmu.others.items())
+                self.notes.append(f"{name}: nothing can drive {them}; left to the FMU")
 
 
 def find_end(instance: str, fmu: FmuDescription, name: str, causality: str) -> End:
@@ -159,6 +164,9 @@ def find_end(instance: str, fmu: FmuDescription, name: str, causality: str) -> E
     else:
         element = None
     valid = fmu.of(causality)
+    if port is None and name in fmu.others:
+        what = f"{instance}.{name} is of the type {fmu.others[name]}"
+        raise _Refused(what, "only numbers can be connected")
     if port is None:
         what = f"{instance} ({fmu.model_name}) has no port {name}"
         asked = ELEMENT.sub(r"\g<port>", name)

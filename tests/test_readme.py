@@ -6,11 +6,13 @@ import re
 import shlex
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
 
 from sightline.orchestrator import System
+from sightline.orchestrator.config import Simulation
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -53,6 +55,14 @@ def test_template_is_a_system(text: str, tmp_path: Path) -> None:
     (tmp_path / "system.toml").write_text(text + simulation, encoding="utf-8")
     system = System.from_toml(tmp_path / "system.toml", {"repeat.i": 4})
     assert len(system.graph.nodes) == 12
+
+
+def test_table_of_simulation_has_all_keys_and_their_defaults() -> None:
+    rows = README.partition("| `[simulation]` |")[2].partition("\n\n")[0].splitlines()[2:]
+    told = {cells[1].strip(" `"): cells[2].strip(" `") for cells in (r.split("|") for r in rows)}
+    fields = Simulation.model_fields.items()
+    defaults = {n: None if f.is_required() else f.default for n, f in fields}
+    assert {n: tomllib.loads(f"v = {t}")["v"] if t else None for n, t in told.items()} == defaults
 
 
 @pytest.mark.parametrize("text", SOURCES[1:])

@@ -42,7 +42,7 @@ class Formation:
 
     def run(self, folder: Path) -> Series:
         """Our run: one row of all outputs for each communication point, the start included."""
-        results = self.system.run(folder)
+        results = self.system.simulate(folder)
         ports = [results[n] for n, (_, port) in self.system.graph.signals.items()
                  if port.kind == "real"]
         return np.column_stack([p.reshape(len(results.time), -1) for p in ports])

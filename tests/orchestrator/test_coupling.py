@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sightline.orchestrator.errors import RunError
 from sightline.orchestrator.results import Results
 from sightline.orchestrator.system import System
 
@@ -44,7 +45,7 @@ def oscillator(write, tmp_path: Path) -> Callable[..., Results]:
                  f'start = {{ v = 0.5 }}\n{every}',
             place=block("Integrator", "start = { x = 1.0 }", target),
         )  # fmt: skip
-        return System.from_toml(path).run(tmp_path / "out")
+        return System.from_toml(path).simulate(tmp_path / "out")
 
     return run
 
@@ -89,20 +90,23 @@ def test_sampled_signals_are_held(write, tmp_path) -> None:
             a=f'component = "{sampled}:NoisyHold"\nparameters = {{ sample_period = 0.2 }}',
             p=f'component = "{sampled}:Follower"',
         )  # fmt: skip
-        values.append(System.from_toml(path).run(tmp_path / coupling)["p.x"])
+        values.append(System.from_toml(path).simulate(tmp_path / coupling)["p.x"])
     np.testing.assert_array_equal(values[0], values[1])
 
 
-def final_state(example: str, step: float, coupling: str, folder: Path) -> np.ndarray:
+def final_state(
+    example: str, step: float, coupling: str, folder: Path, algorithm: str = "gauss-seidel"
+) -> np.ndarray:
     """All outputs that are recorded, at the last rows of a short run."""
     config = folder / "system.toml"
     config.write_text(
         f'extends = "{(EXAMPLES / example / "system.toml").as_posix()}"\nplots = []\n'
         f'[simulation]\nstop_time = 12.0\nstep = {step}\ncoupling = "{coupling}"\n'
+        f'algorithm = "{algorithm}"\n'
         "[record]\nevery = 1.2\n",
         encoding="utf-8",
     )
-    results = System.from_toml(config).run(folder / "out")
+    results = System.from_toml(config).simulate(folder / "out")
     names = [n for n in results.series if n.split(".")[1] in ("position", "velocity", "attitude")]
     assert names
     return np.hstack([results[n] for n in names])
@@ -119,3 +123,20 @@ def test_error_of_an_example_falls_with_the_order(example: str, tmp_path: Path) 
             for step in (0.025, 0.0125)
         ]
         assert slope(errors) == pytest.approx(order, abs=0.15), coupling
+
+
+@pytest.mark.parametrize("example", ["los_formation", "relative_attitude"])
+def test_extrapolated_directions_stay_directions(example: str, tmp_path: Path) -> None:
+    """Under Jacobi attitudes and lines of sight are extrapolated, and their blocks accept them."""
+    truth = final_state(example, 0.0005, "quadratic", tmp_path)
+    errors = [
+        float(np.max(np.abs(final_state(example, step, "linear", tmp_path, "jacobi") - truth)))
+        for step in (0.025, 0.0125)
+    ]
+    assert slope(errors) == pytest.approx(2.0, abs=0.1)
+
+
+def test_unstable_extrapolation_is_told_with_a_remedy(tmp_path: Path) -> None:
+    with pytest.raises(RunError) as raised:
+        final_state("los_formation", 0.05, "quadratic", tmp_path, "jacobi")
+    assert 'set algorithm = "gauss-seidel", coupling = "hold" or a' in raised.value.__notes__[0]

@@ -10,6 +10,7 @@ import pytest
 
 from sightline.orchestrator.alike import few
 from sightline.orchestrator.explain import explain
+from sightline.orchestrator.explain_groups import groups_of, links_of
 from sightline.orchestrator.explain_layout import Box, Layout
 from sightline.orchestrator.explain_picture import draw
 from sightline.orchestrator.explain_text import text
@@ -159,3 +160,33 @@ def test_picture_names_instances_ports_and_timing(system, tmp_path: Path) -> Non
     words = {"".join(e.itertext()).strip() for e in root.iter("{http://www.w3.org/2000/svg}text")}
     assert {"1  plant", "2  sensor", "sensor, samples every 0.2 s", "x", "u ⇠ control.u", "u ⇢",
             "w (start)"} <= words  # fmt: skip
+
+
+def test_copies_of_a_large_system_are_one_box(write, tmp_path: Path) -> None:
+    template = """[repeat.i]
+count = 200
+connections = [
+  "plant{i}.x->sensor{i}.x", "sensor{i+1}.y -> control{i}.y", "control{i}.u -> plant{i}.u",
+]
+[repeat.i.instances]
+"plant{i}" = { fmu = "plant.fmu" }
+"sensor{i}" = { fmu = "sensor.fmu" }
+"control{i}" = { fmu = "control.fmu" }
+"""
+    alone = write(["plant7.x -> last.x"], template, last='fmu = "sensor.fmu"')
+    system = System.from_toml(alone)
+    groups = groups_of(system)
+    assert [(g.name, len(g.nodes)) for g in groups] == [
+        ("plant{i}", 200), ("sensor{i}", 200), ("control{i}", 200), ("last", 1),
+    ]  # fmt: skip
+    assert groups[0].heading == "1…597  plant1 … plant200"
+    assert {(k.source, k.destination, k.shown, k.forward) for k in links_of(system, groups)} == {
+        ("plant{i}", "sensor{i}", "plant{i}.x", True),
+        ("sensor{i}", "control{i}", "sensor{i+1}.y", True),
+        ("control{i}", "plant{i}", "control{i}.u", False),
+        ("plant{i}", "last", "plant7.x", True),
+    }
+    draw(system, tmp_path / "picture.svg")
+    picture = (tmp_path / "picture.svg").read_text(encoding="utf-8")
+    for words in ("y of sensor{i+1}", "u ⇠ control{i}.u", "sensor, 200 copies", "x of plant7"):
+        assert words in picture

@@ -55,7 +55,7 @@ def test_both_versions_compute_the_same(
             a=fmu("NoisyHold", version, sampled + "\nstart = { u = [0.5, 2.0] }"),
             p=fmu("Follower", version, "start = { x = 1.0 }"),
         )  # fmt: skip
-        results.append(System.from_toml(config).run(tmp_path / str(version)))
+        results.append(System.from_toml(config).simulate(tmp_path / str(version)))
     for name in ("a.z", "p.x"):
         np.testing.assert_array_equal(results[0][name], results[1][name], err_msg=name)
 
@@ -63,7 +63,7 @@ def test_both_versions_compute_the_same(
 def test_discrete_state_is_that_after_the_event(write, fmu, tmp_path) -> None:
     sampled = "parameters = { sample_period = 0.1 }"
     config = write(a=fmu("NoisyHold", 2, sampled), b=fmu("NoisyHold", 3, sampled))
-    results = System.from_toml(config).run(tmp_path)
+    results = System.from_toml(config).simulate(tmp_path)
     # without event mode a sample at the present instant stands only when time goes on
     np.testing.assert_array_equal(results["a.count"], np.arange(11))
     np.testing.assert_array_equal(results["b.count"], np.arange(11) + 1)
@@ -79,7 +79,7 @@ def test_integers_and_booleans_pass_between_versions(
         simulation="[simulation]\nstop_time = 3.0\nstep = 1.0\n",
         a=fmu("Switch", 2), b=fmu("Switch", 3),
     )  # fmt: skip
-    results = System.from_toml(config).run(tmp_path)
+    results = System.from_toml(config).simulate(tmp_path)
     np.testing.assert_array_equal(results["b.echo"], [0, 1, 102, 103])
     assert (results["b.count"].dtype, results["b.on"].dtype) == (np.int32, np.uint8)
 
@@ -88,7 +88,7 @@ def test_idle_elements_of_a_driven_array_keep_their_start(write, fmu, tmp_path) 
     config = write(
         ["p.y1 -> a.u[1]"], p=fmu("Crossed", 2), a=fmu("Affine", 3, "start = { u = [0.0, 1.0] }"),
     )  # fmt: skip
-    results = System.from_toml(config).run(tmp_path)
+    results = System.from_toml(config).simulate(tmp_path)
     idle = np.array([1.0 - 0.5, 2.0 + 0.2])
     y = np.outer(results.time, [0.3, 0.4]) + idle  # k u + c with u = (t, 1)
     np.testing.assert_allclose(results["a.y"], y, rtol=1e-15)
@@ -96,7 +96,7 @@ def test_idle_elements_of_a_driven_array_keep_their_start(write, fmu, tmp_path) 
 
 def test_loop_of_arrays_is_solved_with_their_derivatives(write, fmu, tmp_path) -> None:
     config = write(["a.y -> b.u", "b.y -> a.u"], a=fmu("Affine", 3), b=fmu("Affine", 3))
-    results = System.from_toml(config).run(tmp_path)
+    results = System.from_toml(config).simulate(tmp_path)
     k, c = np.array([[0.3, -0.5], [0.4, 0.2]]), np.array([1.0, 2.0])
     y = np.linalg.solve(np.eye(2) - k, c)
     np.testing.assert_allclose(results["a.y"], np.tile(y, (11, 1)), rtol=1e-8)  # loop tolerance

@@ -143,6 +143,18 @@ def test_paths_of_a_base_are_seen_from_its_own_folder(write, tmp_path: Path) -> 
     assert loaded.config.instances["b"].component == "../mine.py:Mine"
 
 
+def test_tables_of_a_base_are_read_from_its_own_folder(write, tmp_path: Path) -> None:
+    (tmp_path / "starts.csv").write_text("1\n2\n", encoding="utf-8")
+    start = 'start = { u = { file = "starts.csv" } }'
+    write(rest=f'[repeat.i]\ncount = 2\n[repeat.i.instances."a{{i}}"]\n{BODY}\n{start}')
+    derived = tmp_path / "sub" / "derived.toml"
+    derived.parent.mkdir()
+    derived.write_text('extends = "../system.toml"', encoding="utf-8")
+    loaded, found = load(derived)
+    assert found == []
+    assert [loaded.config.instances[n].start["u"] for n in ("a1", "a2")] == [1.0, 2.0]
+
+
 def test_problem_inherited_from_a_base_is_placed_in_the_base(write, tmp_path, problems) -> None:
     write(a=BODY + "\nparameters = { v = 1 }", name="base.toml")
     derived = tmp_path / "derived.toml"

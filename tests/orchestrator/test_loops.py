@@ -28,7 +28,7 @@ def test_linear_loop_is_solved_exactly(write, tmp_path, monkeypatch, target, ste
     monkeypatch.setenv(STEPPER, stepper)
     path = write(PAIR, a=block("Affine", target=target), b=block("Affine", target=target),
                  simulation=SIMULATION)  # fmt: skip
-    results = System.from_toml(path).run(tmp_path)
+    results = System.from_toml(path).simulate(tmp_path)
     y = np.linalg.solve(np.eye(2) - K1, C1)  # both FMUs are alike: y = K y + c
     # the tolerance of loops is 1e-9 of 1 + |u|
     np.testing.assert_allclose(results["a.y"], np.tile(y, (4, 1)), rtol=1e-8)
@@ -38,7 +38,7 @@ def test_linear_loop_is_solved_exactly(write, tmp_path, monkeypatch, target, ste
 @pytest.mark.parametrize("target", ["native", "python"])
 def test_nonlinear_loop_follows_its_solution(write, tmp_path, target) -> None:
     path = write(["a.y -> a.u"], a=block("Cosine", target=target), simulation=SIMULATION)
-    results = System.from_toml(path).run(tmp_path)
+    results = System.from_toml(path).simulate(tmp_path)
     np.testing.assert_allclose(results["a.y"], 0.7390851332151607, rtol=1e-8)  # cos y = y
 
 
@@ -47,7 +47,7 @@ def test_fmu_after_the_loop_sees_its_solution(write, tmp_path) -> None:
         ["a.y -> a.u", "a.y -> f.u1"], f=block("Crossed"), a=block("Cosine"),
         simulation=SIMULATION,
     )  # fmt: skip
-    results = System.from_toml(path).run(tmp_path)
+    results = System.from_toml(path).simulate(tmp_path)
     np.testing.assert_array_equal(results["f.y2"], 2.0 * results["a.y"])
 
 
@@ -64,7 +64,7 @@ def test_loop_without_solution_is_an_error_with_residuals(write, tmp_path) -> No
 def test_broken_loop_is_one_step_late(write, tmp_path) -> None:
     text = SIMULATION + 'delay = ["a.y -> a.u"]\n'
     path = write(["a.y -> a.u"], a=block("Cosine"), simulation=text)
-    y = System.from_toml(path).run(tmp_path)["a.y"]
+    y = System.from_toml(path).simulate(tmp_path)["a.y"]
     np.testing.assert_allclose(y[1:], np.cos(y[:-1]), rtol=1e-15)
 
 
@@ -73,12 +73,12 @@ def test_crossed_fmus_pass_values_of_one_instant(write, tmp_path, monkeypatch, s
     monkeypatch.setenv(STEPPER, stepper)
     crossed = ["a.y2 -> b.u1", "b.y1 -> a.u1"]
     path = write(crossed, a=block("Crossed"), b=block("Crossed"), simulation=SIMULATION)
-    results = System.from_toml(path).run(tmp_path)
+    results = System.from_toml(path).simulate(tmp_path)
     np.testing.assert_allclose(results["b.y2"], 4.0 * results.time, rtol=1e-15)
 
 
 def test_mutual_feeding_is_resolved_variable_by_variable(write, tmp_path) -> None:
     crossed = ["a.y2 -> b.u1", "b.y1 -> a.u1", "b.y2 -> c.u1", "a.y1 -> c.u2", "c.y1 -> b.u2"]
     tables = {name: block("Crossed") for name in "abc"}
-    results = System.from_toml(write(crossed, simulation=SIMULATION, **tables)).run(tmp_path)
+    results = System.from_toml(write(crossed, simulation=SIMULATION, **tables)).simulate(tmp_path)
     np.testing.assert_allclose(results["c.y2"], 8.0 * results.time, rtol=1e-15)

@@ -27,7 +27,7 @@ def test_slow_controller_holds_its_output_between_its_steps(write, tmp_path: Pat
         LOOP, simulation="[simulation]\nstop_time = 0.6\nstep = 0.1\n",
         control=block("Gain", "every = 3"), plant=block("Integrator", "start = { x = 1.0 }"),
     )  # fmt: skip
-    results = System.from_toml(path).run(tmp_path)
+    results = System.from_toml(path).simulate(tmp_path)
     x = [1.0, 0.9, 0.8, 0.7, 0.63, 0.56, 0.49]  # u = -1, then -0.7 from 0.3 s on
     np.testing.assert_allclose(results["plant.x"], x, rtol=1e-14)
     y = [-1.0, -1.0, -1.0, -0.7, -0.7, -0.7, -0.49]
@@ -39,7 +39,7 @@ def test_slow_plant_catches_up(write, tmp_path: Path) -> None:
         ["fast.t -> slow.u"], simulation="[simulation]\nstop_time = 0.4\nstep = 0.1\n",
         fast=block("Clock"), slow=SUM,
     )  # fmt: skip
-    results = System.from_toml(path).run(tmp_path)
+    results = System.from_toml(path).simulate(tmp_path)
     # the slow one's input over a step is the value at its end, that of the same instant
     expected = [0.0, 0.0, 0.04, 0.04, 0.12]
     np.testing.assert_allclose(results["slow.x"], expected, atol=1e-15)
@@ -48,7 +48,7 @@ def test_slow_plant_catches_up(write, tmp_path: Path) -> None:
 def test_parts_do_not_change_a_held_integration(write, tmp_path: Path) -> None:
     whole = write(a=block("Integrator", "start = { u = 1.0 }"), name="whole.toml")
     parts = write(a=block("Integrator", "start = { u = 1.0 }\nmax_step = 0.03"), name="parts.toml")
-    results = [System.from_toml(p).run(tmp_path) for p in (whole, parts)]
+    results = [System.from_toml(p).simulate(tmp_path) for p in (whole, parts)]
     np.testing.assert_allclose(results[0]["a.x"], results[1]["a.x"], rtol=1e-14)
     assert System.from_toml(parts).plan.units[0].parts == 4
 

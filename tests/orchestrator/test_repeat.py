@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from sightline.orchestrator import toml_text
-from sightline.orchestrator.loading import load
+from sightline.orchestrator.loading import check, load
 from sightline.orchestrator.spread import Refused, spread
 from sightline.orchestrator.system import System
 
@@ -257,6 +257,19 @@ start = {{ x = {{ first = 1.0, step = 1.0 }} }}
 component = "{BLOCKS.as_posix()}:Follow"
 target = "python"
 """, encoding="utf-8")
-    results = System.from_toml(path).run(tmp_path)
+    results = System.from_toml(path).simulate(tmp_path)
     last = [results[f"craft{i}.x"][-1] for i in (1, 2, 3)]
     np.testing.assert_allclose(last, 2.0, atol=1e-6)  # slowest mode exp(-1.5 · 20 s) = 1e-13
+
+
+@pytest.mark.parametrize("unit", ["", ', unit = "kg"'])
+def test_values_from_a_file_are_in_the_config_that_results_keep(ring, tmp_path, unit) -> None:
+    table = tmp_path / "masses.csv"
+    table.write_text("mass,other\n1.5,0\n2.5,0\n3.5,0\n4.5,0\n", encoding="utf-8")
+    rule = f'{{ file = "masses.csv", columns = "mass"{unit} }}'
+    loaded, _ = load(ring(table=f"parameters = {{ mass = {rule} }}"))
+    table.unlink()
+    kept = tomllib.loads(loaded.text)["repeat"]["i"]["instances"]["craft{i}"]
+    assert kept["parameters"]["mass"]["each"] == [1.5, 2.5, 3.5, 4.5]
+    again, _ = check(tomllib.loads(loaded.text), tmp_path)
+    assert again.config.instances == loaded.config.instances

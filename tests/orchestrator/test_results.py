@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from pathlib import Path
 
 import numpy as np
@@ -49,7 +50,7 @@ def test_bytes_do_not_depend_on_when_rows_are_written(system, tmp_path: Path) ->
             for first in range(0, 5000, part):
                 count = min(part, 5000 - first)
                 writer.append(np.arange(first, first + count) * 0.1, rows(count))
-            writer.complete()
+            writer.complete(5000, 0)
         contents.append(writer.path.read_bytes())
     assert contents[0] == contents[1] == contents[2]
 
@@ -72,3 +73,10 @@ def test_results_until_a_time_are_cut(system, tmp_path: Path) -> None:
     cut = read(writer.path).until(2.0)
     assert (list(cut.time), cut["q.a"].shape) == ([0.0, 1.0, 2.0], (3, 2))
     assert cut.unit("q.z") == "m"
+
+
+def test_fmus_are_kept_by_the_content_of_their_files(system, tmp_path: Path) -> None:
+    with ResultsWriter(tmp_path / "out", system.graph, system.selection.recorded, "") as writer:
+        pass
+    content = hashlib.sha256((tmp_path / "plant.fmu").read_bytes()).hexdigest()
+    assert read(writer.path).fmus == (f"{content} plant: q, p",)

@@ -49,14 +49,14 @@ def closed_loop(write) -> Callable[..., Path]:
 
 
 def test_gauss_seidel_holds_the_input_of_the_instant(closed_loop, tmp_path: Path) -> None:
-    results = System.from_toml(closed_loop()).run(tmp_path / "out")
+    results = System.from_toml(closed_loop()).simulate(tmp_path / "out")
     expected = 0.9 ** np.arange(11)  # x_n+1 = x_n + h · (-x_n), exactly held input
     np.testing.assert_allclose(results["plant.x"], expected, rtol=1e-14)
     np.testing.assert_array_equal(results["control.y"], -results["plant.x"])
 
 
 def test_jacobi_controls_on_the_instant_before(closed_loop, tmp_path: Path) -> None:
-    results = System.from_toml(closed_loop(algorithm="jacobi")).run(tmp_path / "out")
+    results = System.from_toml(closed_loop(algorithm="jacobi")).simulate(tmp_path / "out")
     x = [1.0, 0.9]
     while len(x) < 11:
         x.append(x[-1] - 0.1 * x[-2])
@@ -64,14 +64,14 @@ def test_jacobi_controls_on_the_instant_before(closed_loop, tmp_path: Path) -> N
 
 
 def test_first_row_is_consistent(closed_loop, tmp_path: Path) -> None:
-    results = System.from_toml(closed_loop()).run(tmp_path / "out")
+    results = System.from_toml(closed_loop()).simulate(tmp_path / "out")
     assert (results["plant.x"][0], results["control.y"][0]) == (1.0, -1.0)
 
 
 def test_error_halves_with_the_step(closed_loop, tmp_path: Path) -> None:
     errors = []
     for step in (0.02, 0.01, 0.005):
-        results = System.from_toml(closed_loop(step)).run(tmp_path / "out")
+        results = System.from_toml(closed_loop(step)).simulate(tmp_path / "out")
         errors.append(abs(results["plant.x"][-1] - np.exp(-1.0)))
     ratios = np.array(errors[:-1]) / errors[1:]
     np.testing.assert_allclose(ratios, 2.0, rtol=0.02)  # first order, error O(h) of the ratio
@@ -80,7 +80,7 @@ def test_error_halves_with_the_step(closed_loop, tmp_path: Path) -> None:
 def test_time_is_a_multiple_of_the_step_and_never_a_sum(write, tmp_path: Path) -> None:
     text = "[simulation]\nstart_time = 0.3\nstop_time = 300.3\nstep = 0.1\n"
     path = write(simulation=text, clock=block("Clock"))
-    results = System.from_toml(path).run(tmp_path / "out")
+    results = System.from_toml(path).simulate(tmp_path / "out")
     np.testing.assert_array_equal(results.time, 0.3 + np.arange(3001) * 0.1)
     # t_n + h is one rounding away from t_n+1, whatever n
     np.testing.assert_allclose(results["clock.t"], results.time, rtol=3e-16)
@@ -97,25 +97,25 @@ def test_units_of_one_dimension_convert_while_running(write, make_fmu, tmp_path:
     )
     far = 'component = "far.py:Far"\ntarget = "python"'
     path = write(["plant.x -> far.x"], plant=block("Integrator", "start = {x = 500.0}"), far=far)
-    results = System.from_toml(path).run(tmp_path / "out")
+    results = System.from_toml(path).simulate(tmp_path / "out")
     np.testing.assert_allclose(results["far.y"], 0.5, rtol=1e-15)
 
 
 def test_recording_interval_thins_rows_only(closed_loop, tmp_path: Path) -> None:
-    every = System.from_toml(closed_loop()).run(tmp_path / "a")
-    fifth = System.from_toml(closed_loop(rest="[record]\nevery = 0.5")).run(tmp_path / "b")
+    every = System.from_toml(closed_loop()).simulate(tmp_path / "a")
+    fifth = System.from_toml(closed_loop(rest="[record]\nevery = 0.5")).simulate(tmp_path / "b")
     np.testing.assert_array_equal(fifth["plant.x"], every["plant.x"][::5])
     np.testing.assert_array_equal(fifth.time, every.time[::5])
 
 
 def test_long_runs_are_written_in_parts(closed_loop, tmp_path: Path) -> None:
-    results = System.from_toml(closed_loop(0.001, 2.5)).run(tmp_path / "out")  # 2501 > buffer
+    results = System.from_toml(closed_loop(0.001, 2.5)).simulate(tmp_path / "out")  # 2501 > buffer
     np.testing.assert_array_equal(results.time, np.arange(2501) * 0.001)
     np.testing.assert_allclose(results["plant.x"], 0.999 ** np.arange(2501), rtol=1e-12)
 
 
 def test_results_tell_units_frames_and_the_config(closed_loop, tmp_path: Path) -> None:
-    System.from_toml(closed_loop()).run(tmp_path)
+    System.from_toml(closed_loop()).simulate(tmp_path)
     with h5py.File(tmp_path / "results.h5") as file:
         assert dict(file["plant/x"].attrs) == {
             "unit": "m", "frame": "", "description": "integral",
@@ -127,9 +127,9 @@ def test_results_tell_units_frames_and_the_config(closed_loop, tmp_path: Path) -
 
 
 def test_same_config_gives_the_same_file(closed_loop, tmp_path: Path) -> None:
-    System.from_toml(closed_loop()).run(tmp_path / "a")
+    System.from_toml(closed_loop()).simulate(tmp_path / "a")
     time.sleep(1.1)  # a time stamp would differ
-    System.from_toml(closed_loop()).run(tmp_path / "b")
+    System.from_toml(closed_loop()).simulate(tmp_path / "b")
     files = [(tmp_path / name / "results.h5").read_bytes() for name in "ab"]
     assert files[0] == files[1]
 
@@ -151,6 +151,17 @@ def test_failed_step_names_instance_time_and_reason(write, tmp_path: Path) -> No
     assert "control: error" in (tmp_path / "log.txt").read_text(encoding="utf-8")
 
 
+def test_all_that_a_failing_call_said_is_quoted(write, tmp_path: Path) -> None:
+    starts = "start = { line_of_sight = [2.0, 0.0, 0.0], target_line_of_sight = [0.0, 3.0, 0.0] }"
+    path = write(control=f'component = "LineOfSightFormationController"\n{starts}')
+    with pytest.raises(RunError) as raised:
+        System.from_toml(path).simulate(tmp_path)
+    assert "; ".join(
+        f"{name} must be a unit vector (time 0 s)"
+        for name in ("line_of_sight", "target_line_of_sight")
+    ) in str(raised.value)
+
+
 def test_failed_initialisation_gives_the_reason_of_the_fmu(write, tmp_path: Path) -> None:
     singular = "parameters = { inertia = [[1, 0, 0], [0, 0, 0], [0, 0, 1]] }"
     path = write(craft1=f'component = "FreeRigidBody"\ntarget = "python"\n{singular}')
@@ -161,7 +172,7 @@ def test_failed_initialisation_gives_the_reason_of_the_fmu(write, tmp_path: Path
 
 def test_instances_of_one_fmu_are_apart(write, tmp_path: Path) -> None:
     tables = {f"p{i}": block("Integrator", f"start = {{ x = {i}.0, u = {i}.0 }}") for i in (1, 2)}
-    results = System.from_toml(write(**tables)).run(tmp_path)
+    results = System.from_toml(write(**tables)).simulate(tmp_path)
     np.testing.assert_allclose(results["p2.x"], 2 * results["p1.x"], rtol=1e-15)
 
 
@@ -194,13 +205,13 @@ def test_no_temporary_files_stay(closed_loop, tmp_path: Path, monkeypatch) -> No
     folder = tmp_path / "tmp"
     folder.mkdir()
     monkeypatch.setattr("tempfile.tempdir", str(folder))
-    System.from_toml(closed_loop()).run(tmp_path / "out")
+    System.from_toml(closed_loop()).simulate(tmp_path / "out")
     assert list(folder.iterdir()) == []
 
 
 def test_python_is_left_as_it_was(closed_loop, tmp_path: Path) -> None:
     path = list(sys.path)
-    System.from_toml(closed_loop()).run(tmp_path / "out")
+    System.from_toml(closed_loop()).simulate(tmp_path / "out")
     assert sys.path == path
     strays = [n for n in sys.modules if n.startswith("sightline_gain_")]
     assert strays == []
@@ -212,7 +223,7 @@ def test_integers_and_booleans_pass(write, tmp_path: Path) -> None:
         ["a.count -> b.count_in", "a.on -> b.on_in"], simulation=text,
         a=block("Switch"), b=block("Switch"),
     )  # fmt: skip
-    results = System.from_toml(path).run(tmp_path)
+    results = System.from_toml(path).simulate(tmp_path)
     np.testing.assert_array_equal(results["a.count"], [0, 1, 2, 3])
     np.testing.assert_array_equal(results["a.on"], [0, 0, 1, 1])
     np.testing.assert_array_equal(results["b.echo"], [0, 1, 102, 103])

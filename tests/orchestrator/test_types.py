@@ -107,7 +107,7 @@ def test_extreme_values_of_all_types_pass(write, shift, tmp_path, monkeypatch, s
     links = [f"a.y_{t} -> b.u_{t}" for t in STARTS]
     table = 'fmu = "shift.fmu"\n'
     path = write(links, a=f"{table}start = {{ {starts} }}", b=table)
-    results = System.from_toml(path).run(tmp_path / "out")
+    results = System.from_toml(path).simulate(tmp_path / "out")
     for type_ in STARTS:
         # a puts out its inputs from the second row on, b one step later
         np.testing.assert_array_equal(results[f"b.y_{type_}"][-1], values(type_), err_msg=type_)
@@ -115,6 +115,6 @@ def test_extreme_values_of_all_types_pass(write, shift, tmp_path, monkeypatch, s
 
 def test_types_of_eight_bytes_are_recorded_whole(write, shift, tmp_path) -> None:
     path = write(a=f'fmu = "shift.fmu"\nstart = {{ u_Int64 = [{2**40}, 0] }}')
-    results = System.from_toml(path).run(tmp_path / "out")
+    results = System.from_toml(path).simulate(tmp_path / "out")
     assert results["a.y_Int64"].dtype == np.int64
     assert results["a.y_Int64"][-1].tolist() == [2**40, 0]

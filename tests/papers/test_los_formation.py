@@ -21,7 +21,8 @@ TABLE = {  # computed by DOP853 at 1e-11: t -> (Ψ1, d)
 @pytest.fixture(scope="module")
 def results(tmp_path_factory: pytest.TempPathFactory) -> Results:
     """The run that the example's config describes: 200 s at 10 ms."""
-    return System.from_toml(EXAMPLE / "system.toml").run(tmp_path_factory.mktemp("los_formation"))
+    system = System.from_toml(EXAMPLE / "system.toml")
+    return system.simulate(tmp_path_factory.mktemp("los_formation"))
 
 
 def variant(folder: Path, base: str, **simulation: object) -> Results:
@@ -30,7 +31,7 @@ def variant(folder: Path, base: str, **simulation: object) -> Results:
     lines += [f"{name} = {value!r}" for name, value in simulation.items()]
     config = folder / "variant.toml"
     config.write_text("\n".join(lines), encoding="utf-8")
-    return System.from_toml(config).run(folder)
+    return System.from_toml(config).simulate(folder)
 
 
 def at(results: Results, time: float, signal: str) -> np.ndarray:

@@ -25,7 +25,7 @@ ERRORS = {  # computed by DOP853: t -> (Ψα, Ψβ)
 @pytest.fixture(scope="module")
 def results(tmp_path_factory: pytest.TempPathFactory) -> Results:
     """The run that the example's config describes: 10 s at 50 µs."""
-    return System.from_toml(EXAMPLE / "system.toml").run(tmp_path_factory.mktemp("attitude"))
+    return System.from_toml(EXAMPLE / "system.toml").simulate(tmp_path_factory.mktemp("attitude"))
 
 
 def at(results: Results, time: float, signal: str) -> np.ndarray:
@@ -71,7 +71,7 @@ def test_halving_the_step_halves_the_error(tmp_path: Path) -> None:
     for step in (0.002, 0.001, 0.0005):
         config = tmp_path / "variant.toml"
         config.write_text(f"extends = '{EXAMPLE / 'system.toml'}'\n[simulation]\nstep = {step}\n")
-        run = System.from_toml(config).run(tmp_path)
+        run = System.from_toml(config).simulate(tmp_path)
         errors.append(attitude(run, "craft1")[1, 0] - COMPUTED[1, 0])
     ratios = np.array(errors[:-1]) / np.array(errors[1:])
     np.testing.assert_allclose(ratios, 2.0, rtol=0.05)  # torques held: first order
