@@ -21,6 +21,7 @@ from .registry import Check, selected
 
 ARCHIVE = "archive"
 OnResult = Callable[[CheckResult], None]
+OnStart = Callable[[Path, str], None]  # the file, and the check that begins
 
 
 @dataclass(frozen=True)
@@ -82,21 +83,26 @@ def workshop() -> Iterator[Workshop]:
         made.close()
 
 
+def planned(only: Sequence[str]) -> dict[str, Check]:
+    """The checks after that of the archive. Raises KeyError for a check that there is not."""
+    return {} if set(only) == {ARCHIVE} else selected([n for n in only if n != ARCHIVE])
+
+
 def verify(
     files: Iterable[Path], options: Options = Options(),
     on_result: OnResult = lambda result: None, shop: Workshop | None = None,
+    on_start: OnStart = lambda file, check: None,
 ) -> Iterator[Report]:  # fmt: skip
     """Reports of FMU files, one after the other. Raises KeyError for a check that there is not.
 
     Files of the same model are compared with each other.
     """
-    chosen = selected([n for n in options.only if n != ARCHIVE])
-    if list(options.only) == [ARCHIVE]:
-        chosen = {}
+    chosen = planned(options.only)
     with tempfile.TemporaryDirectory(prefix="sightline-verify-") as base, workshop() as own:
         earlier: dict[str, list[dict[str, str]]] = {}
         for number, path in enumerate(files):
             folder = Path(base) / str(number)
+            on_start(path, ARCHIVE)
             result, head = _open(path, folder)
             results = [result]
             on_result(result)
@@ -104,6 +110,7 @@ def verify(
                 file = {"path": str(path.resolve()), "folder": str(folder)}
                 others = earlier.setdefault(head.model, [])
                 for check in chosen.values():
+                    on_start(path, check.name)
                     results.append(_run(check, file, others, options, shop or own))
                     on_result(results[-1])
                 others.append(file)

@@ -19,6 +19,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import traceback
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -28,7 +29,7 @@ from .driver import NoInstance
 from .findings import CheckResult, Verdict
 from .lab import Lab
 from .registry import Check, NotApplicable, Notes, checks
-from .session import Refused
+from .session import Ended, Refused
 from .subject import Subject
 
 TRACE_BYTES = 256
@@ -94,6 +95,8 @@ def _fork(job: dict[str, Any], deadline: float) -> tuple[str, dict[str, Any]]:
         _quietly(Path(job["scratch"]))
         try:
             _do(job, writer)
+        except BaseException:
+            traceback.print_exc()  # a mistake of the bench: the report ends with its last line
         finally:
             os._exit(0)
     os.close(writer)
@@ -178,9 +181,14 @@ def _judge(check: Check, notes: Notes, job: dict[str, Any], record: Any) -> tupl
             Path(job["reference"]) if job["reference"] else None,
             job["seed"], job["effort"], record,
         )
+        if not check.name.startswith("description"):
+            lab.require_interface()
         check.function(lab, notes)
     except NotApplicable as error:
         return Verdict.NOT_APPLICABLE, str(error)
+    except Ended as error:
+        if not notes.findings:
+            return Verdict.NOT_APPLICABLE, f"{error}, too early for this check"
     except Refused as error:
         notes.wrong(error.action, error.found, "status OK")
     except NoInstance as error:

@@ -195,6 +195,10 @@ class Driver(ABC):
         """One communication step."""
 
     @abstractmethod
+    def ended(self, status: int) -> bool:
+        """Whether the FMU asked, in the step that gave this status, to end the simulation."""
+
+    @abstractmethod
     def stepper(self, h: float) -> Callable[[float], int]:
         """A lean step of fixed size from a given time on, for very many steps."""
 
@@ -253,8 +257,8 @@ class Driver(ABC):
         """One iteration of event mode."""
 
     @abstractmethod
-    def completed_step(self) -> tuple[int, bool]:
-        """Tell that an integrator step is complete; whether event mode is wanted."""
+    def completed_step(self) -> tuple[int, bool, bool]:
+        """Tell that an integrator step is complete; whether event mode and the end are wanted."""
 
     rates_function: ClassVar[str]
 

@@ -10,7 +10,7 @@ import fmpy
 import numpy as np
 from fmpy import fmi2 as api
 
-from .driver import Driver, EventInfo, Message, Values, reals, references_of
+from .driver import DISCARD, Driver, EventInfo, Message, Values, reals, references_of
 from .subject import Array, Variable
 
 
@@ -70,6 +70,13 @@ class Driver2(Driver):
     def do_step(self, time: float, h: float) -> int:
         return self.call("DoStep", time, h, 0, note=f"({time:.9g}, {h:.9g})")
 
+    def ended(self, status: int) -> bool:
+        if status != DISCARD:
+            return False
+        value = ctypes.c_int()
+        asked = self.call("GetBooleanStatus", api.fmi2Terminated, ctypes.byref(value))
+        return asked == 0 and bool(value.value)
+
     def stepper(self, h: float) -> Callable[[float], int]:
         self.trace(f"fmi2DoStep of {h:.9g} s, many times")
         function, component = self.functions.fmi2DoStep, self.component
@@ -99,9 +106,9 @@ class Driver2(Driver):
             info.nextEventTime if info.nextEventTimeDefined else None,
         )
 
-    def completed_step(self) -> tuple[int, bool]:
+    def completed_step(self) -> tuple[int, bool, bool]:
         event, terminate = ctypes.c_int(), ctypes.c_int()
         status = self.call(
             "CompletedIntegratorStep", 1, ctypes.byref(event), ctypes.byref(terminate)
         )
-        return status, bool(event.value)
+        return status, bool(event.value), bool(terminate.value)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from fmpy import fmi3 as api
 
-from .driver import Driver, EventInfo, Message, Values, reals, references_of
+from .driver import Driver, EventInfo, Message, Values, good, reals, references_of
 from .subject import Array, Variable
 
 CTYPES = {
@@ -29,6 +29,7 @@ class Driver3(Driver):
     rates_function = "GetContinuousStateDerivatives"
     _experiment: tuple[float, float | None, float | None] = (0.0, None, None)
     _reached: float | None = None
+    _end = False
 
     def _classes(self) -> tuple[Any, Any]:
         return api.FMU3Slave, api.FMU3Model
@@ -80,7 +81,11 @@ class Driver3(Driver):
             ctypes.byref(early), ctypes.byref(reached), note=f"({time:.9g}, {h:.9g})",
         )
         self._reached = reached.value if status == 0 else self._reached
+        self._end = end.value
         return status
+
+    def ended(self, status: int) -> bool:
+        return good(status) and self._end
 
     def stepper(self, h: float) -> Callable[[float], int]:
         self.trace(f"fmi3DoStep of {h:.9g} s, many times")
@@ -91,7 +96,7 @@ class Driver3(Driver):
 
         def step(time: float) -> int:
             status = int(function(component, time, h, True, *out))
-            self._reached = reached.value
+            self._reached, self._end = reached.value, flags[1].value
             return status
 
         return step
@@ -132,9 +137,9 @@ class Driver3(Driver):
         return status, EventInfo(again.value, end.value, values.value,
                                  time.value if defined.value else None)
 
-    def completed_step(self) -> tuple[int, bool]:
+    def completed_step(self) -> tuple[int, bool, bool]:
         event, terminate = ctypes.c_bool(), ctypes.c_bool()
         status = self.call(
             "CompletedIntegratorStep", True, ctypes.byref(event), ctypes.byref(terminate)
         )
-        return status, event.value
+        return status, event.value, terminate.value

@@ -13,7 +13,8 @@ from .driver import Driver, Trace
 from .excitation import AMPLITUDES, Excitation
 from .fmi2_driver import Driver2
 from .fmi3_driver import Driver3
-from .session import Refused, Session
+from .registry import NotApplicable
+from .session import Ended, Refused, Session
 from .subject import Array, Subject, Variable
 
 STEPS = 12  # of the usual trajectory
@@ -36,6 +37,11 @@ class Lab:
     def thorough(self) -> bool:
         """Whether to try everything, however long it takes."""
         return self.effort >= THOROUGH
+
+    def require_interface(self) -> None:
+        """Raise NotApplicable unless there is an interface that the bench drives."""
+        if not self.subject.interfaces:
+            raise NotApplicable("the FMU offers scheduled execution only")
 
     @property
     def interface(self) -> str:
@@ -81,7 +87,7 @@ class Lab:
 
     @cached_property
     def excitation(self) -> Excitation:
-        """Inputs that move as far as the FMU accepts. Raises Refused if it does not run at all."""
+        """Inputs that move as far as the FMU accepts. Raises Refused or Ended if with none."""
         return self.excite(self.seed)
 
     def excite(self, seed: int) -> Excitation:
@@ -90,16 +96,17 @@ class Lab:
             course = Excitation(self.subject, amplitude, seed)
             try:
                 self.trajectory(self.session("probe"), course)
-            except Refused:
+            except (Refused, Ended):
                 if amplitude == AMPLITUDES[-1]:
                     raise
             else:
                 return course
         raise AssertionError
 
-    def begun(self, name: str = "one", interface: str = "") -> Session:
+    def begun(self, name: str = "one", interface: str = "", crude: bool = False) -> Session:
         """A new instance, initialised with the inputs of step 0."""
-        return self.session(name, interface).begin(inputs=self.excitation.at(0))
+        session = Session(self.instance(name, interface), crude)
+        return session.begin(inputs=self.excitation.at(0))
 
     def trajectory(
         self, session: Session, course: Excitation | None = None, steps: int = STEPS,

@@ -24,15 +24,23 @@ class Refused(Exception):
         self.action, self.found = action, found
 
 
-class Session:
-    """A driver with a time."""
+class Ended(Exception):
+    """The FMU asked to end the simulation, as every FMU may."""
 
-    def __init__(self, driver: Driver) -> None:
-        self.driver = driver
+    def __init__(self, time: float) -> None:
+        super().__init__(f"the FMU itself ends the simulation at {time:g} s")
+
+
+class Session:
+    """A driver with a time. ``crude``: model exchange by one step of forward Euler, not by RK4."""
+
+    def __init__(self, driver: Driver, crude: bool = False) -> None:
+        self.driver, self.crude = driver, crude
         self.subject = driver.subject
         self.time = 0.0
         self._next_event: float | None = None
-        self._in_event = False  # events are handled when the next step departs, with its inputs
+        self._running = False  # initialised, for model exchange
+        self.in_event = False  # events are handled when the next step departs, with its inputs
 
     def must(self, status: int, action: str) -> None:
         """Raise Refused unless the status is good."""
@@ -54,11 +62,16 @@ class Session:
             self.put(inputs)
         self.must(self.driver.enter_initialization(), "entering initialisation")
         self.must(self.driver.exit_initialization(), "leaving initialisation")
-        self._in_event = self.driver.interface == "me"
+        self.in_event = self._running = self.driver.interface == "me"
         return self
 
     def put(self, inputs: Array) -> None:
-        """Set all inputs."""
+        """Set all inputs; those that are discrete, while a model is integrated, at an event."""
+        if self._running and not self.in_event and any(
+            not v.continuous for v in self.subject.inputs
+        ):
+            self.must(self.driver.call("EnterEventMode"), "entering event mode")
+            self.in_event = True
         if self.subject.inputs:
             self.must(self.driver.set(self.subject.inputs, inputs), "setting the inputs")
 
@@ -69,10 +82,14 @@ class Session:
         return values
 
     def step(self, h: float, time: float | None = None) -> None:
-        """One step from ``time``, or from where the last one ended."""
+        """One step from ``time``, or from where the last one ended. Raises Refused, Ended."""
         start = self.time if time is None else time
         if self.driver.interface == "cs":
-            self.must(self.driver.do_step(start, h), f"the step from {start:g} s by {h:g} s")
+            status = self.driver.do_step(start, h)
+            if self.driver.ended(status):
+                reached = self.driver.last_time()
+                raise Ended(start + h if reached is None else reached)
+            self.must(status, f"the step from {start:g} s by {h:g} s")
         else:
             self._integrate(start + h)
         self.time = start + h
@@ -80,8 +97,8 @@ class Session:
     # model exchange ------------------------------------------------------------------------
 
     def _integrate(self, end: float) -> None:
-        """RK4 with events at their times."""
-        step = (end - self.time) / SUBSTEPS
+        """Steps of the solver, with events at their times."""
+        step = (end - self.time) / (1 if self.crude else SUBSTEPS)
         near = ZERO * abs(step)
         t = self.time
         self.leave_event_mode()
@@ -92,19 +109,21 @@ class Session:
             if event is not None and at_event:
                 goal = max(event, t)
             if goal > t + near:
-                self._rk4(t, goal - t)
-            t = goal
+                self._advance(t, goal - t)
+            self.time = t = goal
             self.must(self.driver.set_time(t), "setting the time")
-            status, wanted = self.driver.completed_step()
+            status, wanted, end_wanted = self.driver.completed_step()
             self.must(status, "completing a step")
+            if end_wanted:
+                raise Ended(t)
             if wanted or at_event:
                 self.must(self.driver.call("EnterEventMode"), "entering event mode")
-                self._in_event = True
+                self.in_event = True
                 if t < end - near:
                     self.leave_event_mode()
         self.time = end
 
-    def _rk4(self, t: float, h: float) -> None:
+    def _advance(self, t: float, h: float) -> None:
         n = sum(v.size for v in self.subject.states)
         if not n:
             self.must(self.driver.set_time(t + h), "setting the time")
@@ -112,6 +131,9 @@ class Session:
         status, x = self.driver.get_states(n)
         self.must(status, "reading the states")
         k1 = self._rates(t, x, n)
+        if self.crude:
+            self._rates(t + h, x + h * k1, n)
+            return
         k2 = self._rates(t + h / 2, x + h / 2 * k1, n)
         k3 = self._rates(t + h / 2, x + h / 2 * k2, n)
         k4 = self._rates(t + h, x + h * k3, n)
@@ -128,12 +150,14 @@ class Session:
 
     def leave_event_mode(self) -> None:
         """Iterate event mode to its end and go on to continuous time."""
-        if not self._in_event:
+        if not self.in_event:
             return
-        self._in_event = False
+        self.in_event = False
         for _ in range(100):
             status, info = self.driver.update_discrete()
             self.must(status, "updating discrete states")
+            if info.terminate:
+                raise Ended(self.time)
             if not info.again:
                 break
         else:

@@ -46,6 +46,7 @@ class Variable:
     nominal: float
     unit: str
     index: int  # position in the description, from 0
+    clocked: bool  # FMI 3.0: may be set and read only while its clock is active
 
     @property
     def size(self) -> int:
@@ -66,6 +67,11 @@ class Variable:
         """Name of the array that a scalar of FMI 2.0 belongs to."""
         match = INDEXED.match(self.name)
         return match[1] + match[3] if match else self.name
+
+    @property
+    def continuous(self) -> bool:
+        """Whether it may change between events."""
+        return self.real and (self.variability or "continuous") == "continuous"
 
     @property
     def real(self) -> bool:
@@ -106,8 +112,9 @@ class Subject:
         return found is not None and any(found.get(n) in ("true", "1") for n in names)
 
     def of(self, *causalities: str) -> list[Variable]:
-        """Numeric variables of these causalities."""
-        return [v for v in self.variables if v.causality in causalities and v.type in NUMERIC]
+        """Numeric variables of these causalities, but clocked ones."""
+        return [v for v in self.variables
+                if v.causality in causalities and v.type in NUMERIC and not v.clocked]
 
     @cached_property
     def inputs(self) -> list[Variable]:
@@ -121,8 +128,9 @@ class Subject:
 
     @cached_property
     def readable(self) -> list[Variable]:
-        """Everything numeric but the time."""
-        return [v for v in self.variables if v.type in NUMERIC and v.causality != "independent"]
+        """Everything numeric but the time and clocked variables."""
+        return [v for v in self.variables
+                if v.type in NUMERIC and v.causality != "independent" and not v.clocked]
 
     @cached_property
     def derivatives(self) -> list[tuple[Variable, Variable]]:
@@ -184,7 +192,8 @@ class Subject:
     def binary(self) -> Path:
         """The shared library for this machine."""
         folder = fmpy.platform if self.version == 2 else fmpy.platform_tuple
-        name = next(iter(self.interfaces.values())).modelIdentifier
+        infos = (*self.interfaces.values(), self.description.scheduledExecution)
+        name = infos[0].modelIdentifier
         path: Path = self.folder / "binaries" / folder / f"{name}{fmpy.sharedLibraryExtension}"
         return path
 
@@ -202,6 +211,7 @@ def _variable(v: Any, index: int) -> Variable:
         v.name, int(v.valueReference), v.type, v.causality, v.variability, v.initial or "",
         shape, _start(v, shape), _limit(v, declared, "min", low), _limit(v, declared, "max", high),
         _limit(v, declared, "nominal", 1.0), v.unit or getattr(declared, "unit", None) or "", index,
+        bool(v.clocks),
     )  # fmt: skip
 
 

@@ -56,8 +56,9 @@ class Walk:
 
     def go(self, move: Move) -> int:
         """Make a move; the status."""
+        before = self.mode
         status = move.do()
-        if good(status) and move.to:
+        if good(status) and move.to and self.mode == before:
             self.mode = move.to
         if move.name == "reset":
             self.k = 0
@@ -76,13 +77,13 @@ class Walk:
                 Move("terminate", self.driver.terminate, TERMINATED)]
 
     def _event(self) -> list[Move]:
-        return [Move("update discrete states", lambda: self.driver.update_discrete()[0]),
+        return [Move("update discrete states", self._update),
                 *[Move("enter continuous time", self._enter_continuous, CONTINUOUS)] * 3,
                 Move("terminate", self.driver.terminate, TERMINATED)]
 
     def _continuous(self) -> list[Move]:
         return [Move("advance", self._advance), Move("derivatives", self._rates),
-                Move("completed step", lambda: self.driver.completed_step()[0]),
+                Move("completed step", self._complete),
                 Move("enter event mode", lambda: self.driver.call("EnterEventMode"), EVENT),
                 Move("terminate", self.driver.terminate, TERMINATED)]
 
@@ -94,7 +95,11 @@ class Walk:
         return self.lab.excitation.at(self.k)
 
     def _set(self) -> int:
-        return self.driver.set(self.subject.inputs, self._inputs()) if self.subject.inputs else 0
+        variables, values = self.subject.inputs, self._inputs()
+        if self.mode == CONTINUOUS:  # discrete ones change at events only
+            values = values[[v.continuous for v in variables for _ in range(v.size)]]
+            variables = [v for v in variables if v.continuous]
+        return self.driver.set(variables, values) if variables else 0
 
     def _set_start(self) -> int:
         variables = [v for v in self.subject.settable_at_start()
@@ -116,8 +121,23 @@ class Walk:
 
     def _do_step(self) -> int:
         status = self.driver.do_step(self._time(), self.subject.step)
+        if self.driver.ended(status):
+            return self._end()
         self.k += good(status)
         return status
+
+    def _update(self) -> int:
+        status, info = self.driver.update_discrete()
+        return self._end() if good(status) and info.terminate else status
+
+    def _complete(self) -> int:
+        status, _, end = self.driver.completed_step()
+        return self._end() if good(status) and end else status
+
+    def _end(self) -> int:
+        """Do as the FMU asks."""
+        self.mode = TERMINATED
+        return self.driver.terminate()
 
     def _save(self) -> int:
         status, state = self.driver.save()
@@ -135,6 +155,8 @@ class Walk:
     def _enter_continuous(self) -> int:
         for _ in range(50):
             status, info = self.driver.update_discrete()
+            if good(status) and info.terminate:
+                return self._end()
             if not good(status) or not info.again:
                 break
         return self.driver.call("EnterContinuousTimeMode") if good(status) else status

@@ -13,7 +13,7 @@ import numpy as np
 from ..driver import Driver, good, status_name
 from ..lab import Lab, first_difference, same
 from ..registry import NotApplicable, Notes, check
-from ..session import Refused, Session
+from ..session import Ended, Refused, Session
 from ..subject import Array, names_of
 from ..walk import INITIALIZATION, INSTANTIATED, STEP, TERMINATED, Walk
 
@@ -176,7 +176,7 @@ def _undamaged(lab: Lab, notes: Notes, driver: Driver, where: str, expected: Arr
         if not driver.fatal:
             session.must(driver.reset(), "reset")
         found = lab.trajectory(session, steps=3)
-    except Refused as error:
+    except (Refused, Ended) as error:
         notes.wrong(where, f"afterwards {error}", "a usable FMU after a reset")
         return
     if not same(found, expected):

@@ -18,7 +18,7 @@ from ..subject import Array, Variable
 def dependencies(lab: Lab, notes: Notes) -> None:
     subject = lab.subject
     if not subject.inputs:
-        raise NotApplicable("the FMU has no inputs")
+        raise NotApplicable("the FMU has no numeric inputs")
     declared = {u.variable: u.dependencies for u in subject.structure("outputs")
                 if u.variable in subject.outputs and u.dependencies is not None}
     if not declared:

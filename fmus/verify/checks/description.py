@@ -100,8 +100,10 @@ def structure(lab: Lab, notes: Notes) -> None:
     rates = {id(v) for _, v in subject.derivatives}
     for variable in subject.variables:
         calculated = variable.initial in ("calculated", "approx")
-        needed = calculated and (variable.causality in ("output", "calculatedParameter")
-                                 or id(variable) in rates or id(variable) in states)
+        free = not variable.clocked and variable.type != "Clock"
+        needed = calculated and free and (
+            variable.causality in ("output", "calculatedParameter")
+            or id(variable) in rates or id(variable) in states)
         if needed and id(variable) not in listed:
             notes.wrong(variable.name, "is not an initial unknown", "an entry in InitialUnknowns")
         if id(variable) in listed and not calculated:
@@ -114,15 +116,21 @@ def structure(lab: Lab, notes: Notes) -> None:
                 own_value = known is unknown.variable and part != "initialUnknowns"
                 if not (_may_be_known(known, part, states) or own_value):
                     found = f"depends on {known.name}, a {known.causality}, in {part}"
-                    notes.wrong(unknown.variable.name, found, "an input or a state")
+                    notes.wrong(unknown.variable.name, found, "an input, a state or a parameter")
 
 
 def _may_be_known(known: Variable, part: str, states: set[int]) -> bool:
-    if known.causality in ("input", "independent") or id(known) in states:
+    """Parameters may be listed everywhere.
+
+    FMI 3.0 counts them among the knowns; FMI 2.0 does so for initial unknowns only, but a fixed
+    one that is listed for a derivative says nothing false: it never changes there.
+    """
+    if known.causality in ("input", "independent", "parameter", "structuralParameter"):
         return True
-    if part == "initialUnknowns":
-        return known.initial == "exact" or known.causality == "structuralParameter"
-    return known.variability in ("discrete", "tunable")
+    if id(known) in states or known.type == "Clock":
+        return True
+    return known.initial == "exact" if part == "initialUnknowns" else (
+        known.variability in ("discrete", "tunable"))
 
 
 @check("description.start", "start values are there where needed, legal and within their limits")
@@ -164,7 +172,9 @@ def binaries(lab: Lab, notes: Notes) -> None:
         present = sorted(p.name for p in (subject.folder / "binaries").glob("*"))
         has = f"it has {', '.join(present)}" if present else "it has none"
         notes.wrong("binaries", f"no {here}; {has}", f"a binary for {fmpy.platform_tuple}")
-    for interface, info in subject.interfaces.items():
+    scheduled = getattr(subject.description, "scheduledExecution", None)
+    offers = subject.interfaces | ({"scheduled execution": scheduled} if scheduled else {})
+    for interface, info in offers.items():
         for path in _libraries(lab, info.modelIdentifier):
             notes.tried["binaries"] += 1
             missing = functions(subject.version, interface) - offered(
@@ -189,6 +199,7 @@ def token(lab: Lab, notes: Notes) -> None:
     if not lab.subject.description.guid:
         notes.wrong("modelDescription.xml", "has no token (guid, instantiationToken)")
         return
+    lab.require_interface()
     for interface in lab.subject.interfaces:
         try:
             lab.instance(interface=interface).free()

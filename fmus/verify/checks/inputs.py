@@ -16,15 +16,19 @@ from ..subject import INTEGERS, Variable
 
 BUDGET = 2.5  # s; all values if thorough
 HUGE = 1.7976931348623157e308
-REALS = (math.nan, math.inf, -math.inf, 5e-324, -0.0, 0.0, -1.0, 1e308, -HUGE, HUGE, 1e30, 1e-300)
+FLOAT32 = 3.4028234663852886e38
+REALS = (math.nan, math.inf, -math.inf, 5e-324, -0.0, 0.0, -1.0, 1e308, 1e30, 1e-300)
 
 
 def special_values(variable: Variable) -> list[float]:
     """Values at and beyond the edges of a variable's type and limits."""
     edges = [m for m in (variable.min, variable.max) if math.isfinite(m)]
     if variable.real:
+        largest = FLOAT32 if variable.type == "Float32" else HUGE
         beyond = [np.nextafter(variable.min, -math.inf), np.nextafter(variable.max, math.inf)]
-        return [*REALS, *edges, *(float(b) for b in beyond if math.isfinite(b))]
+        reals = [*REALS, largest, -largest, *edges,
+                 *(float(b) for b in beyond if math.isfinite(b))]
+        return [v for v in reals if not largest < abs(v) < math.inf]
     if variable.type == "Boolean":
         return [0.0, 1.0, 2.0, -1.0]
     low, high = INTEGERS[variable.type]
@@ -68,6 +72,13 @@ class _Trial:
                              "a message that names the variable")
         return False
 
+    def stepped(self, status: int) -> bool:
+        """Likewise for a step, in which the FMU may also ask for the end of the simulation."""
+        if self.driver.ended(status):
+            self.notes.tried["ends"] += 1
+            return False
+        return self.did(status, "the step")
+
     def read(self, when: str) -> bool:
         """Read everything; what is not finite must not come with status OK."""
         status, values = self.driver.get(self.lab.watched)
@@ -101,7 +112,7 @@ def _tagged(lab: Lab, session: Session, what: str) -> None:
        seconds=30.0)
 def running(lab: Lab, notes: Notes) -> None:
     if not lab.subject.inputs:
-        raise NotApplicable("the FMU has no inputs")
+        raise NotApplicable("the FMU has no numeric inputs")
     lab.must_run()
     session: Session | None = None
     began = time.monotonic()
@@ -121,7 +132,7 @@ def running(lab: Lab, notes: Notes) -> None:
             continue
         if trial.read("after setting") and lab.interface == "cs":
             h, start = lab.subject.step, lab.subject.start_time
-            if trial.did(session.driver.do_step(start, h), "the step"):
+            if trial.stepped(session.driver.do_step(start, h)):
                 trial.read("after the step")
 
 
@@ -130,7 +141,7 @@ def running(lab: Lab, notes: Notes) -> None:
 def start(lab: Lab, notes: Notes) -> None:
     variables = [v for v in lab.subject.settable_at_start() if v.causality != "input"]
     if not variables:
-        raise NotApplicable("the FMU has no parameters and no start values")
+        raise NotApplicable("the FMU has no numeric parameters and no start values")
     lab.must_run()
     session: Session | None = None
     began = time.monotonic()
@@ -164,5 +175,5 @@ def _initialise(
     if not trial.read("after initialisation") or lab.interface == "me":
         return
     h = lab.subject.step
-    if trial.did(driver.do_step(begin, h), "the step"):
+    if trial.stepped(driver.do_step(begin, h)):
         trial.read("after the step")

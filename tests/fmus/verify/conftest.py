@@ -1,4 +1,4 @@
-"""A small sound FMU, and the same with one defect: in its C source, or in its description."""
+"""Small sound FMUs, and the same with one defect: in the C source, or in the description."""
 
 from __future__ import annotations
 
@@ -27,38 +27,48 @@ def shop() -> Iterator[Workshop]:
 
 
 @pytest.fixture(scope="session")
-def library(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], bytes]:
-    """The shared library of the small FMU with a defect, compiled once."""
+def library(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., bytes]:
+    """The shared library of a source with macros defined, compiled once."""
     folder = tmp_path_factory.mktemp("libraries")
 
-    def compiled(defect: str) -> bytes:
-        out = folder / f"{defect or 'sound'}.so"
+    def compiled(source: str, *defines: str) -> bytes:
+        out = folder / f"{source}{'-'.join(defines)}.so"
         if not out.exists():
             compiler = system_compiler()
             assert compiler is not None
-            define = [f"-DDEFECT_{defect}"] if defect else []
-            subprocess.run([compiler, "-shared", "-fPIC", "-O1", *define, f"-I{HEADERS}",
-                            str(HERE / "model.c"), "-o", str(out), "-lm"], check=True)
+            subprocess.run([compiler, "-shared", "-fPIC", "-O1", *(f"-D{d}" for d in defines),
+                            f"-I{HEADERS}", str(HERE / source), "-o", str(out), "-lm"], check=True)
         return out.read_bytes()
 
     return compiled
 
 
 @pytest.fixture
-def make(library: Callable[[str], bytes], tmp_path: Path) -> Make:
-    """Make an FMU: ``defect`` of the source, ``edits`` (old, new) of the description."""
+def make(library: Callable[..., bytes], tmp_path: Path) -> Make:
+    """Make an FMU: ``defect`` of the source, ``edits`` (old, new) of the description.
 
-    def made(defect: str = "", *edits: tuple[str, str], name: str = "bench") -> Path:
-        description = (HERE / "model.xml").read_text(encoding="utf-8")
+    With ``end``, it asks for the end of the simulation after so many seconds; ``lag`` is the step
+    of the solver inside one of FMI 3.0, in seconds.
+    """
+
+    def made(
+        defect: str = "", *edits: tuple[str, str], name: str = "bench", fmi: int = 2,
+        end: float | None = None, lag: float | None = None,
+    ) -> Path:  # fmt: skip
+        stem, identifier = ("model", "bench") if fmi == 2 else ("model3", "bench3")
+        description = (HERE / f"{stem}.xml").read_text(encoding="utf-8")
         for old, new in edits:
             assert old in description
             description = description.replace(old, new)
         platform = own_platform()
         assert platform is not None
         path = tmp_path / f"{name}.fmu"
+        given = {"ENDS": end, "LAG": lag}
+        defines = [f"DEFECT_{defect}"] if defect else []
+        defines += [f"{n}={v}" for n, v in given.items() if v is not None]
         with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
             archive.writestr("modelDescription.xml", description)
-            archive.writestr(platform.binary(2, "bench"), library(defect))
+            archive.writestr(platform.binary(fmi, identifier), library(f"{stem}.c", *defines))
         return path
 
     return made

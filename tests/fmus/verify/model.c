@@ -1,7 +1,7 @@
 /* A small sound FMU for the bench, and with -DDEFECT_... one defect in it.
 
-   x' = k (u - x), y = u + 2 x, z = x^2, n = samples of 0.1 s so far. References: 1 u, 2 k, 3 x,
-   4 der(x), 5 y, 6 n, 7 z. FMI 2.0, co-simulation and model exchange. */
+   x' = k (u - x), y = u + 2 x, z = x^2, n = m + samples of 0.1 s so far. References: 1 u, 2 k, 3 x,
+   4 der(x), 5 y, 6 n, 7 z, 8 m (discrete: not to be set in continuous time). FMI 2.0, co-simulation and model exchange. */
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -14,7 +14,7 @@
 enum { NEW = 1, INIT = 2, STEP = 4, EVENT = 8, CONTINUOUS = 16, ENDED = 32, RUNNING = 28 };
 
 typedef struct {
-    int mode, steps;
+    int mode, steps, m;
     double time, start, u, k, x;
 } State;
 
@@ -156,7 +156,9 @@ fmi2Status fmi2Reset(fmi2Component c)
 static double rate(const Model *self)
 {
     const double r = self->s.k * (self->s.u - self->s.x);
-#if defined DEFECT_EXCHANGE
+#if defined DEFECT_EXCHANGE_LITTLE
+    return self->type == fmi2ModelExchange ? 1.0001 * r : r;
+#elif defined DEFECT_EXCHANGE
     return self->type == fmi2ModelExchange ? 1.1 * r : r;
 #endif
     return r;
@@ -234,9 +236,25 @@ fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t
 {
     ALLOW(INIT | RUNNING | ENDED);
     for (size_t i = 0; i < n; i++) {
+        if (vr[i] == 8) {
+            value[i] = self->s.m;
+            continue;
+        }
         if (vr[i] != 6)
             return refuse(self, "no such variable");
-        value[i] = (int)floor((self->s.time - self->s.start) / 0.1 + 1e-6);
+        value[i] = self->s.m + (int)floor((self->s.time - self->s.start) / 0.1 + 1e-6);
+    }
+    return fmi2OK;
+}
+
+fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t n,
+                          const fmi2Integer value[])
+{
+    ALLOW(NEW | INIT | STEP | EVENT);
+    for (size_t i = 0; i < n; i++) {
+        if (vr[i] != 8 || value[i] < 0 || value[i] > 9)
+            return refuse(self, "m must be from 0 to 9");
+        self->s.m = value[i];
     }
     return fmi2OK;
 }
@@ -250,9 +268,18 @@ fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t
     }
 NONE(fmi2GetBoolean, fmi2Boolean)
 NONE(fmi2GetString, fmi2String)
-NONE(fmi2SetInteger, const fmi2Integer)
 NONE(fmi2SetBoolean, const fmi2Boolean)
 NONE(fmi2SetString, const fmi2String)
+
+/* With -DENDS=time it asks for the end of the simulation, which is no defect. */
+static int at_end(const Model *self)
+{
+#if defined ENDS
+    return self->s.time - self->s.start > ENDS - 1e-9;
+#else
+    return self == NULL;
+#endif
+}
 
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real h, fmi2Boolean no_rollback)
 {
@@ -281,7 +308,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real h, fmi2Boolean no
 #elif defined DEFECT_SHARED_STATE
     shared += 1e-6;
 #endif
-#if defined DEFECT_EULER
+#if defined DEFECT_EULER || defined DEFECT_EXCHANGE_LITTLE
     s->x += h * s->k * (s->u - s->x);
 #else
     s->x = s->u + (s->x - s->u) * exp(-s->k * h);
@@ -291,6 +318,12 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real h, fmi2Boolean no
 #else
     s->time = time + h;
 #endif
+#if defined DEFECT_DISCARDS
+    if (s->steps > 5)
+        return fmi2Discard;
+#endif
+    if (at_end(self))
+        return fmi2Discard;
     return isfinite(s->x) ? fmi2OK : refuse(self, "x is not finite");
 }
 
@@ -328,8 +361,14 @@ fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Rea
     }
 NO_STATUS(fmi2GetStatus, fmi2Status)
 NO_STATUS(fmi2GetIntegerStatus, fmi2Integer)
-NO_STATUS(fmi2GetBooleanStatus, fmi2Boolean)
 NO_STATUS(fmi2GetStringStatus, fmi2String)
+
+fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value)
+{
+    SELF;
+    *value = kind == fmi2Terminated && at_end(self);
+    return fmi2OK;
+}
 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state)
 {
@@ -436,6 +475,7 @@ fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info)
 {
     ALLOW(EVENT);
     memset(info, 0, sizeof *info);
+    info->terminateSimulation = at_end(self);
     return fmi2OK;
 }
 
@@ -451,7 +491,8 @@ fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean no_rollback,
 {
     (void)no_rollback;
     ALLOW(CONTINUOUS);
-    *event = *terminate = fmi2False;
+    *event = fmi2False;
+    *terminate = at_end(self);
     return fmi2OK;
 }
 

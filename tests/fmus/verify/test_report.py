@@ -72,6 +72,19 @@ def test_a_sound_fmu_exits_with_0_and_writes_junit(make: Make, tmp_path: Path) -
     assert len(list(ET.parse(junit).iter("testcase"))) == 8
 
 
+@pytest.mark.parametrize(("terminal", "shown"), [("1", True), ("", False)])
+def test_progress_is_shown_on_a_terminal_only(
+    terminal: str, shown: bool, make: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FORCE_COLOR", terminal)
+    monkeypatch.setenv("COLUMNS", "120")
+    done = CliRunner().invoke(app, ["verify", str(make()), "--only", "description.units"])
+    assert done.exit_code == 0
+    assert ("bench.fmu  description.units" in done.output) is shown
+    assert ("1/2" in done.output) is shown
+    assert "passed  description.units" in done.output
+
+
 def test_a_failed_check_exits_with_1(make: Make) -> None:
     path = make("STEP_ANYWHERE")
     done = CliRunner().invoke(app, ["verify", str(path), "--only", "calls.illegal"])
