@@ -50,6 +50,7 @@ EQUATIONS: dict[str, tuple[type, ...]] = {
     "requirements": (Input, Parameter, State, DiscreteState),
 }
 TIME = "time"
+MOST = 10_000  # of a structure: what can be traced and compiled in the end
 RESERVED = ("time", "seed", "solver", "solver_step", "relative_tolerance", "absolute_tolerance")
 
 
@@ -115,6 +116,8 @@ class Component(metaclass=_ComponentType):
                 raise DeclarationError(
                     cls.__name__, name, f"{value!r} is not an integer >= {least}"
                 )
+            if value > MOST:
+                raise DeclarationError(cls.__name__, name, f"{value} is more than {MOST}")
         self.structure: dict[str, int] = {
             n: structure.get(n, s.default) for n, s in cls.structures.items()
         }

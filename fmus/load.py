@@ -8,6 +8,7 @@ import importlib.util
 import inspect
 import sys
 from collections.abc import Mapping
+from os.path import isfile  # which answers for whatever is no path, too
 from pathlib import Path
 
 from ..components.catalogue import find
@@ -47,7 +48,7 @@ def load_class(reference: str) -> type[Component]:
 
 
 def _from_file(reference: str, path: Path, class_name: str) -> type[Component]:
-    if not path.is_file():
+    if not isfile(path):
         raise BuildError(reference, [f"there is no file {path}"])
     source = path.read_bytes()
     name = f"_sightline_user_{path.stem}_{hashlib.sha256(source).hexdigest()[:12]}"

@@ -1,4 +1,4 @@
-"""A cache of built FMUs for the session, apart from the user's own."""
+"""A cache of built FMUs for the session, apart from the user's own; how much chance tries."""
 
 from __future__ import annotations
 
@@ -6,6 +6,12 @@ import os
 from collections.abc import Iterator
 
 import pytest
+from hypothesis import settings
+
+# the same examples at every run, or, with --hypothesis-profile=thorough, many that are new
+settings.register_profile("usual", max_examples=25, derandomize=True, database=None)
+settings.register_profile("thorough", max_examples=3000, database=None)
+settings.load_profile("usual")
 
 
 @pytest.fixture(scope="session", autouse=True)
