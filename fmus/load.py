@@ -30,7 +30,7 @@ def load_block(reference: str, structure: Mapping[str, int] | None = None) -> Co
         block.check()
     except DeclarationError as error:
         raise BuildError(reference, [str(error)]) from None
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         problem = f"its equations fail at the start values: {_describe(error)}"
         raise BuildError(reference, [problem]) from error
     return block
@@ -63,7 +63,7 @@ def _from_file(reference: str, path: Path, class_name: str) -> type[Component]:
         raise BuildError(reference, [f"{path}, line {error.lineno}: {error.msg}"]) from None
     except DeclarationError as error:
         raise BuildError(reference, [str(error)]) from None
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise BuildError(reference, [f"{path} cannot be imported: {_describe(error)}"]) from error
     blocks = {
         n: c for n, c in inspect.getmembers(module, inspect.isclass)

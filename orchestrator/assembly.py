@@ -6,11 +6,11 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from . import archive
-from .description import FmuDescription
+from .config.loading import Loaded, check
 from .errors import FmuError, Problem, nearest
-from .loading import Loaded, check
-from .values import names_of, table_of
+from .fmi import archive
+from .fmi.description import FmuDescription
+from .wiring.values import names_of, table_of
 
 Say = Callable[[str], None]
 

@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from .config import Instance
+from .config.loading import Loaded
+from .config.model import Instance
 from .errors import Problem
-from .loading import Loaded
 
 Say = Callable[[str], None]
 

@@ -61,7 +61,7 @@ class Scale(StrEnum):
 @app.command("list", epilog="Example:  sightline list")
 def list_blocks() -> None:
     """List the blocks by family."""
-    from . import command_catalogue
+    from .commands import catalogue as command_catalogue
 
     command_catalogue.list_blocks()
 
@@ -71,7 +71,7 @@ def info(
     name: Annotated[str, typer.Argument(help="A block of the catalogue, or file.py:Class.")],
 ) -> None:
     """Show a block's ports, parameters, units, frames, equations and source."""
-    from . import command_catalogue
+    from .commands import catalogue as command_catalogue
 
     raise typer.Exit(command_catalogue.info(name))
 
@@ -93,7 +93,7 @@ def build(
     ] = None,
 ) -> None:
     """Build FMUs of blocks."""
-    from . import command_catalogue
+    from .commands import catalogue as command_catalogue
 
     raise typer.Exit(
         command_catalogue.build(names, out, target, fmi, platform, structure or [])
@@ -115,7 +115,7 @@ def run(
     isolate: Isolate = False,
 ) -> None:
     """Build, check and co-simulate a system; leave results.h5 and figures in a folder."""
-    from . import command_run
+    from .commands import run as command_run
 
     checkpoints = command_run.Checkpoints(checkpoint_every, resume)
     raise typer.Exit(command_run.run(config, out, settings or [], csv, checkpoints, isolate))
@@ -130,7 +130,7 @@ def explain(
     settings: Set = None,
 ) -> None:
     """Say what a run will do: order, rates, timing of connections, loops, units, frames."""
-    from . import command_explain
+    from .commands import explain as command_explain
 
     raise typer.Exit(command_explain.run(config, settings or [], graph))
 
@@ -153,7 +153,7 @@ def verify(
     ] = False,
 ) -> None:
     """Test FMUs in isolation: description, calls, states, steps, inputs, resources."""
-    from . import command_verify
+    from .commands import verify as command_verify
 
     raise typer.Exit(
         command_verify.verify(files, junit, only or [], reference, seed, thorough)
@@ -163,7 +163,7 @@ def verify(
 @app.command(epilog="Example:  sightline demo --out first-run")
 def demo(out: Out = Path("los_formation"), settings: Set = None, csv: Csv = False) -> None:
     """Co-simulate the packaged example: two spacecraft that hold a line of sight."""
-    from . import command_run
+    from .commands import run as command_run
 
     raise typer.Exit(command_run.demo(out, settings or [], csv))
 
@@ -187,7 +187,7 @@ def plot(
     title: Annotated[str | None, typer.Option(help="Headline.")] = None,
 ) -> None:
     """Draw signals of a results file; without --signals, the figures of its configuration."""
-    from . import command_plot
+    from .commands import plot as command_plot
 
     settings = {"scale": scale and scale.value, "until": until, "title": title}
     raise typer.Exit(

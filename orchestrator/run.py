@@ -10,18 +10,18 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import Any
 
-from .adaptive import Control, grid
-from .config import Config, Simulation
+from .config.model import Config, Simulation
 from .errors import RunError
-from .graph import SystemGraph
-from .keeper import Keeper
-from .log import RunLog
-from .plan import Plan
-from .recorder import Recorder
-from .results import ResultsWriter
-from .sampling import sample_period
-from .starting import start
-from .stepper import Stepper
+from .fmi.log import RunLog
+from .fmi.sampling import sample_period
+from .results.file import ResultsWriter
+from .results.recorder import Recorder
+from .schedule.plan import Plan
+from .stepping.adaptive import Control, grid
+from .stepping.keeper import Keeper
+from .stepping.starting import start
+from .stepping.stepper import Stepper
+from .wiring.graph import SystemGraph
 
 UNSTABLE = (
     'under algorithm = "jacobi" inputs are extrapolated, through every FMU of a chain again: this '

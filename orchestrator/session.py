@@ -14,17 +14,17 @@ from typing import Any
 
 import numpy as np
 
-from .adaptive import Control
-from .config import Simulation
+from .config.model import Simulation
 from .errors import Problem, nearest
-from .graph import SystemGraph
-from .log import RunLog
-from .plan import Array, Plan
-from .results import columns_of
-from .signals import Selection
-from .snapshot import Snapshot, put, require_serializable, take
-from .starting import start
-from .values import settings
+from .fmi.log import RunLog
+from .results.file import columns_of
+from .results.signals import Selection
+from .schedule.plan import Array, Plan
+from .stepping.adaptive import Control
+from .stepping.snapshot import Snapshot, put, require_serializable, take
+from .stepping.starting import start
+from .wiring.graph import SystemGraph
+from .wiring.values import settings
 
 
 @dataclass(frozen=True)

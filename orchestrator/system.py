@@ -15,26 +15,26 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from . import results as results_file
 from . import run as runner
-from . import toml_text
 from .assembly import Say, fmus_of, override
-from .config import LARGEST
+from .config import toml_text
+from .config.loading import Loaded, check, load
+from .config.model import LARGEST
+from .config.repeat import collapse
 from .errors import ConfigError, Problem
-from .graph import SystemGraph
-from .keeper import Keeper, resumed
-from .loading import Loaded, check, load
-from .log import RunLog
-from .plan import Plan
-from .planning import compile_plan
-from .rates import DEGREES, rates_of
-from .repeat import collapse
-from .results import Results
-from .schedule import Schedule, schedule
+from .fmi.log import RunLog
+from .results import file as results_file
+from .results.file import Results
+from .results.signals import Selection, select
+from .schedule.order import Schedule, schedule
+from .schedule.plan import Plan
+from .schedule.planning import compile_plan
+from .schedule.rates import DEGREES, rates_of
 from .session import Parts, Session
-from .signals import Selection, select
-from .snapshot import identity, require_serializable
-from .wiring import wire
+from .stepping.keeper import Keeper, resumed
+from .stepping.snapshot import identity, require_serializable
+from .wiring.graph import SystemGraph
+from .wiring.wiring import wire
 
 SETTABLE = ("simulation", "record", "repeat")  # tables of the config besides instances
 CHECKPOINT = "checkpoint.h5"

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from sightline.orchestrator import System
-from sightline.orchestrator.config import Simulation
+from sightline.orchestrator.config.model import Simulation
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -7,9 +7,9 @@ import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
-from sightline.orchestrator.plan import Block, Plan, Unit
-from sightline.orchestrator.slave import Slave
-from sightline.orchestrator.stepper import Stepper
+from sightline.orchestrator.fmi.slave import Slave
+from sightline.orchestrator.schedule.plan import Block, Plan, Unit
+from sightline.orchestrator.stepping.stepper import Stepper
 
 HEAD = """
 #include <stddef.h>

@@ -18,9 +18,9 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
-from sightline.orchestrator.compiled import CompiledStepper
-from sightline.orchestrator.log import RunLog
-from sightline.orchestrator.starting import start, stepper_class
+from sightline.orchestrator.fmi.log import RunLog
+from sightline.orchestrator.stepping.compiled import CompiledStepper
+from sightline.orchestrator.stepping.starting import start, stepper_class
 
 from ..external.formation import Formation, formation
 from ..external.tools import FmpyLoop, done, ecos_simulation, libcosim_execution

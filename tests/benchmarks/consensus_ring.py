@@ -16,9 +16,9 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from sightline.orchestrator.log import RunLog
-from sightline.orchestrator.starting import start
-from sightline.orchestrator.stepper import Stepper
+from sightline.orchestrator.fmi.log import RunLog
+from sightline.orchestrator.stepping.starting import start
+from sightline.orchestrator.stepping.stepper import Stepper
 from sightline.orchestrator.system import System
 
 from .rounds import ratio, timed

@@ -19,8 +19,8 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from sightline.orchestrator.log import RunLog
-from sightline.orchestrator.starting import start
+from sightline.orchestrator.fmi.log import RunLog
+from sightline.orchestrator.stepping.starting import start
 from sightline.orchestrator.system import System
 
 from . import ring

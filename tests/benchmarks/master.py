@@ -17,10 +17,10 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from sightline.orchestrator.compiled import CompiledStepper
-from sightline.orchestrator.log import RunLog
-from sightline.orchestrator.starting import load
-from sightline.orchestrator.stepper import PythonStepper, Stepper
+from sightline.orchestrator.fmi.log import RunLog
+from sightline.orchestrator.stepping.compiled import CompiledStepper
+from sightline.orchestrator.stepping.starting import load
+from sightline.orchestrator.stepping.stepper import PythonStepper, Stepper
 from sightline.orchestrator.system import System
 
 from . import ring

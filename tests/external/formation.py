@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sightline.orchestrator import System
-from sightline.orchestrator.graph import End
+from sightline.orchestrator.wiring.graph import End
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "los_formation" / "system.toml"
 Series = NDArray[np.float64]

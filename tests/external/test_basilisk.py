@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sightline.fmus.build import build
-from sightline.orchestrator.archive import read
+from sightline.orchestrator.fmi.archive import read
 
 STEP, STOP = 0.01, 60.0  # s
 MASS = 10.0

@@ -18,7 +18,7 @@ import pytest
 
 from sightline.fmus.build import build
 from sightline.fmus.native.platforms import PLATFORMS
-from sightline.orchestrator.archive import read
+from sightline.orchestrator.fmi.archive import read
 
 HEADERS = Path(fmpy.__file__).parent / "c-code"
 LOADER = Path(__file__).with_name("loader.c")

@@ -25,7 +25,7 @@ import numpy as np
 from fmpy import extract
 from fmpy.fmi2 import FMU2Slave
 
-from sightline.orchestrator.archive import read
+from sightline.orchestrator.fmi.archive import read
 
 from .formation import Formation, Series
 

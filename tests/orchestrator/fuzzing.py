@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, settings
 from typer.testing import CliRunner, Result
 
 from sightline.orchestrator.cli import app
-from sightline.orchestrator.results import FILE, read
+from sightline.orchestrator.results.file import FILE, read
 
 EVERY_EXAMPLE = settings(deadline=None, suppress_health_check=[*HealthCheck])
 LIMIT = 60  # s, that a command may take on a busy machine before it hangs

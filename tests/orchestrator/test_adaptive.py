@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sightline.orchestrator import command_run
-from sightline.orchestrator.adaptive import grid
-from sightline.orchestrator.results import read
+from sightline.orchestrator.commands import run as command_run
+from sightline.orchestrator.results.file import read
 from sightline.orchestrator.run import Statistics
+from sightline.orchestrator.stepping.adaptive import grid
 from sightline.orchestrator.system import System
 
 HERE = Path(__file__).parent

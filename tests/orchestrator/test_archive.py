@@ -8,8 +8,8 @@ from pathlib import Path
 import fmpy
 import pytest
 
-from sightline.orchestrator.archive import read
 from sightline.orchestrator.errors import FmuError
+from sightline.orchestrator.fmi.archive import read
 
 from .conftest import variable
 

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from sightline.orchestrator.errors import RunError
-from sightline.orchestrator.starting import STEPPER
+from sightline.orchestrator.stepping.starting import STEPPER
 from sightline.orchestrator.system import System
 
-if find_spec("sightline.orchestrator._loop") is None:
+if find_spec("sightline.orchestrator.stepping._loop") is None:
     pytest.skip("built without a compiler", allow_module_level=True)
 HERE = Path(__file__).parent
 EXAMPLE = HERE.parents[1] / "examples" / "los_formation" / "system.toml"
@@ -118,9 +118,9 @@ def test_errors_read_the_same(write, tmp_path, monkeypatch, target) -> None:
 
 
 def test_environment_chooses_the_stepper(monkeypatch) -> None:
-    from sightline.orchestrator.compiled import CompiledStepper
-    from sightline.orchestrator.starting import stepper_class
-    from sightline.orchestrator.stepper import PythonStepper
+    from sightline.orchestrator.stepping.compiled import CompiledStepper
+    from sightline.orchestrator.stepping.starting import stepper_class
+    from sightline.orchestrator.stepping.stepper import PythonStepper
 
     monkeypatch.delenv(STEPPER, raising=False)
     assert stepper_class() is CompiledStepper
@@ -129,7 +129,7 @@ def test_environment_chooses_the_stepper(monkeypatch) -> None:
 
 
 def test_types_of_numpy_have_codes() -> None:
-    from sightline.orchestrator._loop import TYPES
+    from sightline.orchestrator.stepping._loop import TYPES
 
     assert set(TYPES) == {np.dtype(t).str[1:] for t in (
         "f8", "f4", "i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8", "?",

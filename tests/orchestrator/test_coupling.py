@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sightline.orchestrator.errors import RunError
-from sightline.orchestrator.results import Results
+from sightline.orchestrator.results.file import Results
 from sightline.orchestrator.system import System
 
 HERE = Path(__file__).parent

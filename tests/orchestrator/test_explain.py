@@ -9,11 +9,11 @@ from xml.etree import ElementTree
 import pytest
 
 from sightline.orchestrator.alike import few
-from sightline.orchestrator.explain import explain
-from sightline.orchestrator.explain_groups import groups_of, links_of
-from sightline.orchestrator.explain_layout import Box, Layout
-from sightline.orchestrator.explain_picture import draw
-from sightline.orchestrator.explain_text import text
+from sightline.orchestrator.explain.explanation import explain
+from sightline.orchestrator.explain.groups import groups_of, links_of
+from sightline.orchestrator.explain.layout import Box, Layout
+from sightline.orchestrator.explain.picture import draw
+from sightline.orchestrator.explain.text import text
 from sightline.orchestrator.system import System
 
 from .conftest import SIMULATION, variable

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from sightline.orchestrator.errors import FmuError
-from sightline.orchestrator.extraction import unpacked
+from sightline.orchestrator.fmi.extraction import unpacked
 
 
 @pytest.fixture

@@ -18,8 +18,8 @@ import pytest
 from pythonfmu.builder import FmuBuilder
 
 from sightline.orchestrator.errors import RunError
-from sightline.orchestrator.results import read
-from sightline.orchestrator.starting import STEPPER
+from sightline.orchestrator.results.file import read
+from sightline.orchestrator.stepping.starting import STEPPER
 from sightline.orchestrator.system import System
 
 BLOCKS = Path(__file__).with_name("blocks.py").as_posix()

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from sightline.fmus.build import build
-from sightline.orchestrator.archive import read
-from sightline.orchestrator.starting import STEPPER
+from sightline.orchestrator.fmi.archive import read
+from sightline.orchestrator.stepping.starting import STEPPER
 from sightline.orchestrator.system import System
 
 HERE = Path(__file__).parent

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from sightline.orchestrator.errors import LoopError, RunError
-from sightline.orchestrator.results import read
-from sightline.orchestrator.starting import STEPPER
+from sightline.orchestrator.results.file import read
+from sightline.orchestrator.stepping.starting import STEPPER
 from sightline.orchestrator.system import System
 
 from .conftest import SIMULATION

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from sightline.orchestrator.errors import ConfigError, RunError
-from sightline.orchestrator.explain import explain
-from sightline.orchestrator.explain_text import text
-from sightline.orchestrator.results import read
-from sightline.orchestrator.starting import STEPPER
+from sightline.orchestrator.explain.explanation import explain
+from sightline.orchestrator.explain.text import text
+from sightline.orchestrator.results.file import read
+from sightline.orchestrator.stepping.starting import STEPPER
 from sightline.orchestrator.system import System
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="writes FMUs in C")

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from sightline.orchestrator import toml_text
+from sightline.orchestrator.config import toml_text
+from sightline.orchestrator.config.loading import load
 from sightline.orchestrator.errors import ConfigError
-from sightline.orchestrator.loading import load
 
 from .conftest import variable
 

@@ -19,8 +19,8 @@ import pytest
 
 from sightline.fmus.build import build
 from sightline.orchestrator.errors import RunError
-from sightline.orchestrator.results import Results, read
-from sightline.orchestrator.starting import STEPPER
+from sightline.orchestrator.results.file import Results, read
+from sightline.orchestrator.stepping.starting import STEPPER
 from sightline.orchestrator.system import System
 
 BLOCKS = Path(__file__).with_name("blocks.py").as_posix()
@@ -362,7 +362,7 @@ def servers(parent: int | None = None) -> list[int]:
         except (OSError, ValueError):
             continue
         mine = ppid == (parent or os.getpid())
-        if mine and b"sightline.orchestrator.isolated_server" in words:
+        if mine and b"sightline.orchestrator.isolation.server" in words:
             found.append(int(folder.name))
     return found
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sightline.orchestrator.errors import LoopError
-from sightline.orchestrator.starting import STEPPER
+from sightline.orchestrator.stepping.starting import STEPPER
 from sightline.orchestrator.system import System
 
 HERE = Path(__file__).parent

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from sightline.orchestrator.config import Plot
-from sightline.orchestrator.curves import chosen, curves
-from sightline.orchestrator.plots import draw, figure_of, rotation_angle
-from sightline.orchestrator.results import Results, Series
+from sightline.orchestrator.config.model import Plot
+from sightline.orchestrator.results.curves import chosen, curves
+from sightline.orchestrator.results.file import Results, Series
+from sightline.orchestrator.results.plots import draw, figure_of, rotation_angle
 
 TIME = np.linspace(0.0, 10.0, 101)
 ROWS = len(TIME)

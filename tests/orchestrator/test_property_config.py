@@ -13,8 +13,8 @@ from hypothesis import given, note
 from hypothesis import strategies as st
 
 from sightline.fmus.build import build
+from sightline.orchestrator.config.loading import load
 from sightline.orchestrator.errors import ConfigError
-from sightline.orchestrator.loading import load
 
 from .fuzzing import EVERY_EXAMPLE, check_report, invoke, run, toml
 from .test_run import BLOCKS

@@ -9,9 +9,9 @@ import h5py
 import pytest
 
 from sightline.orchestrator import Builder
-from sightline.orchestrator.explain import explain
-from sightline.orchestrator.graph import Setting
+from sightline.orchestrator.explain.explanation import explain
 from sightline.orchestrator.system import System
+from sightline.orchestrator.wiring.graph import Setting
 
 from .conftest import SIMULATION, variable
 

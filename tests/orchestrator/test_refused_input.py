@@ -15,14 +15,14 @@ import pytest
 
 from sightline.fmus.errors import BuildError
 from sightline.fmus.load import load_block
-from sightline.orchestrator.config import Config, slug
+from sightline.orchestrator.config.loading import load
+from sightline.orchestrator.config.model import Config, slug
+from sightline.orchestrator.config.parsing import parse
+from sightline.orchestrator.config.spread import Refused, spread
 from sightline.orchestrator.errors import ConfigError
-from sightline.orchestrator.loading import load
-from sightline.orchestrator.parsing import parse
-from sightline.orchestrator.results import ResultsWriter, read
-from sightline.orchestrator.spread import Refused, spread
+from sightline.orchestrator.results.file import ResultsWriter, read
 from sightline.orchestrator.system import System
-from sightline.orchestrator.units import UnitError, unit_of
+from sightline.orchestrator.wiring.units import UnitError, unit_of
 
 from .conftest import variable
 from .fuzzing import invoke

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sightline.orchestrator import toml_text
-from sightline.orchestrator.loading import check, load
-from sightline.orchestrator.spread import Refused, spread
+from sightline.orchestrator.config import toml_text
+from sightline.orchestrator.config.loading import check, load
+from sightline.orchestrator.config.spread import Refused, spread
 from sightline.orchestrator.system import System
 
 from .conftest import SIMULATION, variable

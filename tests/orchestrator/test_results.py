@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sightline.orchestrator.results import ResultsWriter, holding, read
+from sightline.orchestrator.results.file import ResultsWriter, holding, read
 from sightline.orchestrator.system import System
 
 from .conftest import variable

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from sightline.orchestrator.errors import FmuError, RunError
-from sightline.orchestrator.results import read
+from sightline.orchestrator.results.file import read
 from sightline.orchestrator.run import Interrupted
 from sightline.orchestrator.system import System
 

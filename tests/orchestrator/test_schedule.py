@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from sightline.orchestrator.schedule import Cluster
+from sightline.orchestrator.schedule.order import Cluster
 from sightline.orchestrator.system import System
 
 from .conftest import SIMULATION, variable

@@ -15,8 +15,8 @@ import pytest
 
 from sightline.fmus.native.target import compiler_available
 from sightline.orchestrator.errors import ConfigError
-from sightline.orchestrator.results import read
-from sightline.orchestrator.snapshot import Snapshot
+from sightline.orchestrator.results.file import read
+from sightline.orchestrator.stepping.snapshot import Snapshot
 from sightline.orchestrator.system import System
 
 from .conftest import variable

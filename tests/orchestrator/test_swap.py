@@ -12,7 +12,7 @@ import fmpy
 import numpy as np
 import pytest
 
-from sightline.orchestrator.results import Results
+from sightline.orchestrator.results.file import Results
 from sightline.orchestrator.system import System
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "swap"

@@ -11,7 +11,7 @@ import fmpy
 import numpy as np
 import pytest
 
-from sightline.orchestrator.starting import STEPPER
+from sightline.orchestrator.stepping.starting import STEPPER
 from sightline.orchestrator.system import System
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="writes an FMU in C")

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from sightline.components.maths import rotate
-from sightline.orchestrator.plots import rotation_angle
-from sightline.orchestrator.results import Results
+from sightline.orchestrator.results.file import Results
+from sightline.orchestrator.results.plots import rotation_angle
 from sightline.orchestrator.system import System
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "consensus_ring"

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sightline.orchestrator.results import Results
+from sightline.orchestrator.results.file import Results
 from sightline.orchestrator.system import System
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "los_comparison"

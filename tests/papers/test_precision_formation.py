@@ -10,7 +10,7 @@ from scipy.integrate import simpson
 
 from sightline.components.dynamics.rigid_body_with_wheels import default_axes
 from sightline.components.maths import rotate
-from sightline.orchestrator.results import Results
+from sightline.orchestrator.results.file import Results
 from sightline.orchestrator.system import System
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "precision_formation"

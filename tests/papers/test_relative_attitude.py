@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from sightline.orchestrator.results import Results
+from sightline.orchestrator.results.file import Results
 from sightline.orchestrator.system import System
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "relative_attitude"

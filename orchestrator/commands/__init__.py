@@ -1,0 +1,1 @@
+"""The commands of ``sightline``, a module each."""

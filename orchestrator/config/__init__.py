@@ -1,0 +1,1 @@
+"""A config: TOML or code in, checked data out, and every problem with its place."""

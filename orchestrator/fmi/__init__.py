@@ -1,0 +1,1 @@
+"""FMUs of any origin: their files read, their functions called."""

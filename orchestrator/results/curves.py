@@ -1,0 +1,79 @@
+"""Chooses from results what a figure shows: the signals that globs name, and their elements."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import Problem, nearest
+from ..schedule.plan import Array
+from .file import Results
+from .signals import compile_glob
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One element of a signal over time; ``port`` is ``instance.port``."""
+
+    port: str
+    label: str
+    unit: str
+    values: Array
+
+
+def chosen(patterns: Iterable[str], results: Results) -> list[str]:
+    """The ports that globs name, those of a glob in the results' order; elements as ``a.x[1]``."""
+    found: dict[str, None] = {}
+    for pattern in patterns:
+        found |= dict.fromkeys(_match(pattern, results))
+    return list(found)
+
+
+def curves(names: Iterable[str], results: Results) -> list[Curve]:
+    """The elements of ports, or single elements, as curves."""
+    found = []
+    for name in names:
+        port = name if name in results.series else name.rpartition("[")[0]
+        series = results.series[port]
+        flat = series.values.reshape(len(results.time), -1)
+        labels = element_labels(port, series.values.shape[1:])
+        unit = "" if series.unit == "1" else series.unit
+        found += [
+            Curve(port, label, unit, flat[:, i])
+            for i, label in enumerate(labels)
+            if name in (port, label)
+        ]
+    return found
+
+
+def element_labels(port: str, shape: Sequence[int]) -> list[str]:
+    """The names of a port's elements, ``a.x[1]``, ``a.x[2]``, ...; the port's if scalar."""
+    if not shape:
+        return [port]
+    return [f"{port}[{','.join(str(i + 1) for i in place)}]" for place in np.ndindex(*shape)]
+
+
+def plain(text: str) -> str:
+    """A text to draw as it is: its dollars begin no mathematics."""
+    return text.replace("$", r"\$")
+
+
+def missing(pattern: str, results: Results) -> Problem:
+    """What is wrong with a glob that names nothing."""
+    remedy = nearest(pattern, results.series, "signals")
+    return Problem("--signals", f'"{pattern}" names no recorded signal', remedy)
+
+
+def _match(pattern: str, results: Results) -> list[str]:
+    whole = compile_glob(pattern)
+    ports = [name for name in results.series if whole.fullmatch(name)]
+    if ports or "[" not in pattern:
+        return ports
+    return [
+        label
+        for name, series in results.series.items()
+        for label in element_labels(name, series.values.shape[1:])
+        if whole.fullmatch(label)
+    ]

@@ -1,0 +1,1 @@
+"""A plan in motion: start, steps, inputs inside a step, loops, snapshots."""

@@ -1,0 +1,1 @@
+"""The system as a graph: instances, connections, and the checks of both."""
