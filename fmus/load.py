@@ -81,6 +81,6 @@ def _from_file(reference: str, path: Path, class_name: str) -> type[Component]:
     raise BuildError(reference, [f"{path} defines no block {class_name}; {hint}"])
 
 
-def _describe(error: Exception) -> str:
+def _describe(error: BaseException) -> str:
     """Kind and text of an error without its stack."""
     return f"{type(error).__name__}: {error}" if str(error) else type(error).__name__

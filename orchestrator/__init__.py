@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from .errors import ConfigError, FmuError, Problem, RunError
 
 if TYPE_CHECKING:
-    from .config.builder import Builder
+    from .builder import Builder
     from .system import System
 
 __all__ = ["Builder", "ConfigError", "FmuError", "Problem", "RunError", "System"]
@@ -24,7 +24,7 @@ def __getattr__(name: str) -> Any:
 
         return System
     if name == "Builder":
-        from .config.builder import Builder
+        from .builder import Builder
 
         return Builder
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -15,10 +15,10 @@ from .errors import RunError
 from .fmi.log import RunLog
 from .fmi.sampling import sample_period
 from .results.file import ResultsWriter
-from .results.recorder import Recorder
 from .schedule.plan import Plan
 from .stepping.adaptive import Control, grid
 from .stepping.keeper import Keeper
+from .stepping.recorder import Recorder
 from .stepping.starting import start
 from .stepping.stepper import Stepper
 from .wiring.graph import SystemGraph

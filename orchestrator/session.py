@@ -18,12 +18,12 @@ from .config.model import Simulation
 from .errors import Problem, nearest
 from .fmi.log import RunLog
 from .results.file import columns_of
-from .results.signals import Selection
 from .schedule.plan import Array, Plan
 from .stepping.adaptive import Control
 from .stepping.snapshot import Snapshot, put, require_serializable, take
 from .stepping.starting import start
 from .wiring.graph import SystemGraph
+from .wiring.signals import Selection
 from .wiring.values import settings
 
 

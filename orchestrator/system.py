@@ -25,7 +25,6 @@ from .errors import ConfigError, Problem
 from .fmi.log import RunLog
 from .results import file as results_file
 from .results.file import Results
-from .results.signals import Selection, select
 from .schedule.order import Schedule, schedule
 from .schedule.plan import Plan
 from .schedule.planning import compile_plan
@@ -34,6 +33,7 @@ from .session import Parts, Session
 from .stepping.keeper import Keeper, resumed
 from .stepping.snapshot import identity, require_serializable
 from .wiring.graph import SystemGraph
+from .wiring.signals import Selection, select
 from .wiring.wiring import wire
 
 SETTABLE = ("simulation", "record", "repeat")  # tables of the config besides instances

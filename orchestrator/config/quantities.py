@@ -11,7 +11,7 @@ from typing import Any
 
 from ..errors import nearest
 from ..fmi.description import Port
-from ..wiring.units import Conversion, UnitError, conversion, defined, unit_of
+from ..fmi.units import Conversion, UnitError, conversion, defined, unit_of
 from . import toml_text
 from .spread import Refused
 

@@ -18,8 +18,8 @@ from lxml import etree
 
 from ...fmus.safe_archive import inspect
 from ..errors import FmuError
-from ..wiring.units import BASE, Unit
 from .description import FmuDescription, Kind, Port
+from .units import BASE, Unit
 
 KINDS: dict[str, Kind] = {
     "Real": "real",

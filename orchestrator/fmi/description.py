@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from ..wiring.units import Unit
+from .units import Unit
 
 Kind = Literal["real", "integer", "boolean", "string", "enumeration"]
 

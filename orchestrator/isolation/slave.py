@@ -31,7 +31,7 @@ def values_of(fmu: FmuDescription) -> int:
 
 
 class Isolated(Slave):
-    """See :class:`.slave.Slave`."""
+    """See :class:`..fmi.slave.Slave`."""
 
     isolated = True
 
@@ -58,39 +58,39 @@ class Isolated(Slave):
         raise NotImplementedError
 
     def initialise(self, settings: Iterable[Setting], start: float, stop: float | None) -> None:
-        """See :meth:`.slave.Slave.initialise`."""
+        """See :meth:`..fmi.slave.Slave.initialise`."""
         self.time = start
         self._call("initialisation", "initialise", tuple(settings), start, stop)
 
     def start(self) -> None:
-        """See :meth:`.slave.Slave.start`."""
+        """See :meth:`..fmi.slave.Slave.start`."""
         self._call("initialisation", "start")
         self._initialised = True
 
     def step(self, time: float, width: float) -> int:
-        """See :meth:`.slave.Slave.step`."""
+        """See :meth:`..fmi.slave.Slave.step`."""
         return self._ask(STEP, time, width)
 
     def reached(self) -> float | None:
-        """See :meth:`.slave.Slave.reached`."""
+        """See :meth:`..fmi.slave.Slave.reached`."""
         return self._call("the step", "reached")  # type: ignore[no-any-return]
 
     def transfers(self, blocks: Iterable[Block], values: Array, read: bool) -> list[Call]:
-        """See :meth:`.slave.Slave.transfers`."""
+        """See :meth:`..fmi.slave.Slave.transfers`."""
         return [self._transfer(b, values[b.first:b.last], read) for b in blocks]
 
     def derive(self, known: Sequence[int], orders: Sequence[int], data: Array) -> Call:
-        """See :meth:`.slave.Slave.derive`."""
+        """See :meth:`..fmi.slave.Slave.derive`."""
         first, shared = self._share(len(known))
         code = self._call("setting inputs", "derive", tuple(known), tuple(orders), first)
         return self._put(code, data[:len(known)], shared)
 
     def set(self, setting: Setting) -> None:
-        """See :meth:`.slave.Slave.set`."""
+        """See :meth:`..fmi.slave.Slave.set`."""
         self._call(f"setting {setting.port.name}", "set", setting)
 
     def sensitivity(self, unknowns: Block, knowns: Block, seed: Array) -> Array:
-        """See :meth:`.slave.Slave.sensitivity`."""
+        """See :meth:`..fmi.slave.Slave.sensitivity`."""
         result: Array = self._call("partial derivatives", "sensitivity", unknowns, knowns, seed)
         return result
 
@@ -99,20 +99,20 @@ class Isolated(Slave):
         return c_void_p(self._call("saving its state", "save"))
 
     def restore(self, state: c_void_p) -> None:
-        """See :meth:`.slave.Slave.restore`."""
+        """See :meth:`..fmi.slave.Slave.restore`."""
         self._call("restoring its state", "restore", state.value)
 
     def release(self, state: c_void_p) -> None:
-        """See :meth:`.slave.Slave.release`."""
+        """See :meth:`..fmi.slave.Slave.release`."""
         if not self.dead:
             self._call("releasing its state", "release", state.value)
 
     def serialize(self) -> bytes:
-        """See :meth:`.slave.Slave.serialize`."""
+        """See :meth:`..fmi.slave.Slave.serialize`."""
         return self._call("saving its state", "serialize")  # type: ignore[no-any-return]
 
     def deserialize(self, data: bytes) -> None:
-        """See :meth:`.slave.Slave.deserialize`."""
+        """See :meth:`..fmi.slave.Slave.deserialize`."""
         self._call("reading a saved state", "deserialize", data)
 
     def free(self) -> None:

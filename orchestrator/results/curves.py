@@ -9,8 +9,8 @@ import numpy as np
 
 from ..errors import Problem, nearest
 from ..schedule.plan import Array
+from ..wiring.signals import compile_glob
 from .file import Results
-from .signals import compile_glob
 
 
 @dataclass(frozen=True)

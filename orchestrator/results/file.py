@@ -21,12 +21,12 @@ from urllib.parse import unquote
 import h5py
 import numpy as np
 
-from . import space
-from ..wiring.graph import SystemGraph
-from .hdf5 import numbers, opened
 from ..schedule.plan import Array
+from ..wiring.graph import SystemGraph
+from ..wiring.signals import Signal
+from . import space
+from .hdf5 import numbers, opened
 from .provenance import fmus
-from .signals import Signal
 
 FILE = "results.h5"
 TABLE = "results.csv"

@@ -12,8 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..config.model import Plot
-from .curves import Curve, chosen, curves, plain
 from ..schedule.plan import Array
+from .curves import Curve, chosen, curves, plain
 from .file import Results
 from .trajectory import draw_trajectory
 

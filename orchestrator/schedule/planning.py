@@ -7,9 +7,9 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from ..fmi.sampling import sample_period
-from ..results.signals import Signal
 from ..stepping.courses import with_courses
 from ..wiring.graph import Node, SystemGraph
+from ..wiring.signals import Signal
 from .layout import Drives, Layout, drives_of
 from .order import Cluster, Schedule
 from .plan import Act, Loop, Plan, Rates, Unit

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from ..errors import ConfigError, Problem
 from ..results.file import copy_rows
-from ..results.recorder import Recorder
 from .adaptive import Control
+from .recorder import Recorder
 from .snapshot import Snapshot, put, recall, take
 from .stepper import Stepper
 

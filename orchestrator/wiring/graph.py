@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from ..fmi.description import FmuDescription, Port
-from .units import UNCHANGED, Conversion
+from ..fmi.units import UNCHANGED, Conversion
 
 Scalar = float | int | bool | str
 TIME_LIMIT = 60.0  # s

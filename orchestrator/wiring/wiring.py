@@ -12,8 +12,8 @@ from ..config.loading import Loaded
 from ..config.model import CONNECTION
 from ..errors import Problem, nearest
 from ..fmi.description import FmuDescription
+from ..fmi.units import Conversion, Unit, conversion
 from .graph import TIME_LIMIT, Connection, End, Node, SystemGraph
-from .units import Conversion, Unit, conversion
 from .values import settings
 
 ELEMENT = re.compile(r"^(?P<port>.+)\[(?P<index>[^\[\]]*)\]$")

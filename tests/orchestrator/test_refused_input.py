@@ -20,9 +20,9 @@ from sightline.orchestrator.config.model import Config, slug
 from sightline.orchestrator.config.parsing import parse
 from sightline.orchestrator.config.spread import Refused, spread
 from sightline.orchestrator.errors import ConfigError
+from sightline.orchestrator.fmi.units import UnitError, unit_of
 from sightline.orchestrator.results.file import ResultsWriter, read
 from sightline.orchestrator.system import System
-from sightline.orchestrator.wiring.units import UnitError, unit_of
 
 from .conftest import variable
 from .fuzzing import invoke

@@ -6,10 +6,10 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from ..fmi.description import Port
-from ..errors import Problem, nearest
-from ..wiring.graph import SystemGraph
 from ..config.loading import Loaded
+from ..errors import Problem, nearest
+from ..fmi.description import Port
+from .graph import SystemGraph
 
 COMPARED: Mapping[str, tuple[tuple[int, ...], ...]] = {  # shapes that kinds of plots compare
     "trajectory": ((2,), (3,)),

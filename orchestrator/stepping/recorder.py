@@ -8,10 +8,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..errors import RunError
-from ..stepping.finite import Watch
+from ..results.file import ResultsWriter
 from ..schedule.plan import Array
-from .file import ResultsWriter
-from ..stepping.stepper import Stepper
+from .finite import Watch
+from .stepper import Stepper
 
 ROWS = 1000  # rows in memory before they are written
 FLUSH = 1.0  # s between writes

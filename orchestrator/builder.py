@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from ..system import System
-from . import toml_text
+from .config import toml_text
+from .system import System
 
 
 class Builder:

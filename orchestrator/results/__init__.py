@@ -1,0 +1,1 @@
+"""What a run leaves: the results file, and figures of it."""
