@@ -25,6 +25,7 @@ from ..maths import product, reciprocal
 
 NEAR = 0.995  # part of the way to the nearest bound that a step may take
 SMALLEST = 1e-30
+LEAST_PIVOT = 1e-200
 REGULARISATION = 1e-14  # of the trace: keeps the matrix invertible where solutions are degenerate
 
 
@@ -88,7 +89,9 @@ def _remainder(programme: Programme, F: Array, residual: list[Array], y: Array) 
 
 
 def _regularised(matrix: Array) -> Factors:
-    return factorise(matrix + REGULARISATION * np.trace(matrix) * np.eye(len(matrix)))
+    """Factors; of a matrix of zeros too, which is that of no thruster that works."""
+    added = REGULARISATION * np.trace(matrix) + LEAST_PIVOT
+    return factorise(matrix + added * np.eye(len(matrix)))
 
 
 def _start(programme: Programme) -> _Point:

@@ -161,6 +161,14 @@ def test_out_of_reach_the_residual_is_the_least_sum_of_components(name, wrench):
     assert np.abs(missing * S).sum() <= expected + slack * limit  # the thrust's cost counts a bit
 
 
+@pytest.mark.parametrize("name", ALL)
+def test_without_a_thruster_that_works_nothing_is_given(name):
+    allocated = allocate(name, WRENCHES[0], healthy=np.zeros(12))
+    np.testing.assert_array_equal(allocated["command"], 0.0)
+    np.testing.assert_array_equal(allocated["residual_force"], WRENCHES[0][:3])
+    assert allocated["lost_authority"] == pytest.approx(1.0)
+
+
 @pytest.mark.parametrize("wrench", WRENCHES[:20])
 @pytest.mark.parametrize("name", ALL)
 def test_a_lost_thruster_is_not_commanded(name, wrench):
