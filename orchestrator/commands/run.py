@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.resources import as_file, files
 from pathlib import Path
+from textwrap import shorten
 from typing import Any
 
 from rich.console import Console
@@ -20,6 +21,8 @@ from ..run import Interrupted, Statistics
 from ..system import System
 
 EXAMPLE = ("los_formation", "system.toml")
+LONGEST = 240  # characters of a note; matrices make longer ones
+CUT = " ...; sightline explain tells all of it"
 
 
 @dataclass(frozen=True)
@@ -45,7 +48,7 @@ def run(
         system = system.isolated() if isolate else system
         _say_if_slow(system, say)
         for note in few(f"note: {n}" for n in system.graph.notes):
-            say(note)
+            say(shorten(note, LONGEST, placeholder=CUT))
         return _simulate(system, out, csv, checkpoints, console)
     except ConfigError as error:
         say(str(error))

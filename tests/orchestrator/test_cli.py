@@ -223,3 +223,18 @@ def test_help_imports_none_of_the_heavy_packages() -> None:
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_long_note_is_cut_and_says_where_all_of_it_is(tmp_path: Path) -> None:
+    positions = [[0.123456 * k, 0.0, 0.0] for k in range(12)]
+    config = tmp_path / "system.toml"
+    config.write_text(
+        '[simulation]\nstop_time = 0.1\nstep = 0.1\n[instances.t]\ncomponent = "ThrusterCluster"\n'
+        f'parameters = {{ positions = {{ value = {positions}, unit = "mm" }} }}\n'
+    )
+    done = sightline("run", config, "--out", tmp_path / "out")
+    (note,) = (line for line in done.stderr.splitlines() if "t.positions" in line)
+    assert note.startswith("note: t.positions: [[0.0, 0.0, 0.0], [0.123456, 0.0, 0.0],")
+    assert note.endswith(" ...; sightline explain tells all of it")
+    assert len(note) <= 240
+    assert "0.001358016, 0, 0] m" in sightline("explain", config).stdout
