@@ -26,12 +26,16 @@ CAPABILITIES = {
     "canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true",
     "canNotUseMemoryManagementFunctions": "true",
 }  # fmt: skip
-ENTRY = '''"""Entry point of the FMU: pythonfmu looks here for the slave class."""
+# pythonfmu compiles and runs the entry for every instance, and keeps what it compiled: the less the
+# better. It releases the entry's globals each time.
+ENTRY = '''from {package}.entry import {block}Slave, keep
+keep(globals())
+'''
+CLASS = '''"""The slave that pythonfmu runs."""
 
-from {package}.fmus.python.slave import BlockSlave, keep
+from {package}.fmus.python.slave import BlockSlave, keep as keep
 from {package}.{module} import {block}
 
-keep(globals())  # pythonfmu releases them at every instantiation
 
 class {block}Slave(BlockSlave):
     """The slave of {block}."""
@@ -56,8 +60,9 @@ def build_python(model: Model, out: Path) -> None:
     digest = _digest({**files, slave.LAYOUT_FILE: layout, "structure": repr(
         model.block.structure).encode(), "xml": render(model, "", {"CoSimulation": CAPABILITIES})})
     unique = f"sightline_{block.__name__.lower()}_{digest[:12]}"
-    entry = ENTRY.format(package=unique, module=block_module(block), block=block.__name__,
-                         structure=model.block.structure)
+    names = {"package": unique, "module": block_module(block), "block": block.__name__,
+             "structure": model.block.structure}
+    entry, files["entry.py"] = ENTRY.format(**names), CLASS.format(**names).encode()
     with tempfile.TemporaryDirectory(prefix="sightline-") as folder:
         members = _pythonfmu_archive(Path(folder), unique, entry, files, layout)
     identifier = f"{block.__name__}Slave"
