@@ -41,12 +41,12 @@ def test_the_first_two_blocks_are_one_line_each() -> None:
     assert [text.count("\n") for _, text in BLOCKS[:2]] == [1, 1]
 
 
-@pytest.mark.parametrize("command", COMMANDS)
-def test_command_runs(command: str, folder: Path) -> None:
-    arguments = shlex.split(command)[1:]
-    call = [sys.executable, "-m", "sightline.orchestrator.cli", *arguments]
-    done = subprocess.run(call, cwd=folder, capture_output=True, text=True)
-    assert done.returncode == 0, done.stdout + done.stderr
+def test_commands_run_one_after_another(folder: Path) -> None:
+    for command in COMMANDS:
+        arguments = shlex.split(command)[1:]
+        call = [sys.executable, "-m", "sightline.orchestrator.cli", *arguments]
+        done = subprocess.run(call, cwd=folder, capture_output=True, text=True)
+        assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"
 
 
 @pytest.mark.parametrize("text", TEMPLATES)

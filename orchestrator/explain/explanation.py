@@ -3,7 +3,8 @@
 A connection's value belongs, while its destination steps from t to t + h, either to the instant
 t + h that the destination steps to, because its source stepped before, or to t. Whether this
 matters depends on the destination: an input that acts on outputs at once should see the instant
-that the outputs belong to; an input that acts on states only is held over the step anyway.
+that the outputs belong to; an input that acts on states only is held over the step anyway, or
+extrapolated where the coupling says so.
 """
 
 from __future__ import annotations
@@ -19,12 +20,17 @@ from ..system import System
 from ..wiring.graph import Connection, SystemGraph
 
 Timing = Literal["same", "ahead", "held", "late"]
-MEANING: Mapping[Timing, str] = {
-    "same": "the value of the same instant",
-    "held": "the value of the step's start, held over the step (they act on states only)",
-    "ahead": "the value of the step's end (they act on states only)",
-    "late": "a value that is one step late for outputs that depend on it at once",
-}
+
+
+def meaning(coupling: str) -> Mapping[Timing, str]:
+    """What each timing means, in the order in which they are told."""
+    held = ", held over the step" if coupling == "hold" else ""
+    return {
+        "same": "the value of the same instant",
+        "held": f"the value of the step's start{held} (they act on states only)",
+        "ahead": "the value of the step's end (they act on states only)",
+        "late": "a value that is one step late for outputs that depend on it at once",
+    }
 
 
 @dataclass(frozen=True)
@@ -42,6 +48,7 @@ class Explanation:
     """Everything that ``sightline explain`` says."""
 
     facts: tuple[tuple[str, str], ...]
+    meaning: Mapping[Timing, str]
     steps: tuple[Step, ...]
     timing: tuple[tuple[Connection, Timing], ...]
     together: tuple[str, ...]
@@ -65,6 +72,7 @@ def explain(system: System) -> Explanation:
         steps.append(Step(node.name, node.fmu.model_name, node.fmu.version, rate(system, unit)))
     return Explanation(
         facts=tuple(_facts(system)),
+        meaning=meaning(system.loaded.config.simulation.coupling),
         steps=tuple(steps),
         timing=timings(graph, order),
         together=tuple(_together(system)),

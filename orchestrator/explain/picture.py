@@ -138,7 +138,7 @@ def _legend(axes: Any, layout: Layout, notes: list[str]) -> None:
     y = layout.size()[1] + 2 * ROW
     rows = [
         ("line: value of the same instant", "#222222"),
-        ("⇠ value of the step's start, held over the step", HELD),
+        ("⇠ value of the step's start: acts on states only", HELD),
         ("⇠ late: one step late for outputs that need it at once", LATE),
         ("↺ the same instant: solved, passed on after stepping, or within the box", "#222222"),
         ("(start): nothing drives it", GREY),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from ..alike import few
-from .explanation import MEANING, Explanation
+from .explanation import Explanation
 
 
 def text(explanation: Explanation) -> str:
@@ -17,7 +17,7 @@ def _lines(explanation: Explanation) -> Iterator[str]:
     width = max(len(name) for name, _ in explanation.facts)
     yield from (f"{name:<{width}}  {what}" for name, what in explanation.facts)
     yield from _section("order of stepping", list(_steps(explanation)))
-    for timing, meaning in MEANING.items():
+    for timing, meaning in explanation.meaning.items():
         connections = [str(c) for c in explanation.of(timing)]
         if connections:
             yield from _section(_counted(len(connections), meaning), connections)

@@ -141,4 +141,6 @@ class CompiledStepper(PythonStepper):
 
     def _references(self, values: tuple[int, ...]) -> NDArray[np.uintc]:
         """Value references, the same array for all FMUs of one kind."""
-        return self._known.setdefault(values, np.array(values, dtype=np.uintc))
+        if values not in self._known:
+            self._known[values] = np.array(values, dtype=np.uintc)
+        return self._known[values]

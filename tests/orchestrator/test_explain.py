@@ -38,13 +38,19 @@ def blocks(make_fmu) -> None:
 
 @pytest.fixture
 def system(write):
-    def made(algorithm: str = "gauss-seidel") -> System:
-        simulation = f'{SIMULATION}algorithm = "{algorithm}"\n'
+    def made(algorithm: str = "gauss-seidel", coupling: str = "hold") -> System:
+        simulation = f'{SIMULATION}algorithm = "{algorithm}"\ncoupling = "{coupling}"\n'
         instances = {"control": BODY.format("control"), "plant": 'fmu = "plant.fmu"',
                      "sensor": BODY.format("sensor")}  # fmt: skip
         return System.from_toml(write(LOOP, simulation=simulation, **instances))
 
     return made
+
+
+def test_inputs_that_may_be_extrapolated_are_not_said_to_be_held(system) -> None:
+    told = text(explain(system(coupling="linear")))
+    assert "carries the value of the step's start (it acts on states only)" in told
+    assert "held over the step" not in told
 
 
 def test_text_says_everything(system) -> None:

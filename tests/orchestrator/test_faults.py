@@ -8,11 +8,9 @@ import signal
 import subprocess
 import sys
 import time
-import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
-import fmpy
 import numpy as np
 import pytest
 from pythonfmu.builder import FmuBuilder
@@ -21,6 +19,8 @@ from sightline.orchestrator.errors import RunError
 from sightline.orchestrator.results.file import read
 from sightline.orchestrator.stepping.starting import STEPPER
 from sightline.orchestrator.system import System
+
+from .foreign import archive, library
 
 BLOCKS = Path(__file__).with_name("blocks.py").as_posix()
 COMPILER = pytest.mark.skipif(shutil.which("cc") is None, reason="writes FMUs in C")
@@ -109,14 +109,8 @@ class Careless(Component):
 def divide(tmp_path_factory: pytest.TempPathFactory) -> str:
     """An FMU whose output becomes u / 0 and which wants this to end the process."""
     folder = tmp_path_factory.mktemp("divide")
-    (folder / "divide.c").write_text(SOURCE, encoding="utf-8")
-    command = ["cc", "-shared", "-fPIC", str(folder / "divide.c"), "-o", str(folder / "divide.so")]
-    subprocess.run([*command, "-lm"], check=True)
-    with zipfile.ZipFile(folder / "divide.fmu", "w") as file:
-        file.writestr("modelDescription.xml", DESCRIPTION)
-        name = f"binaries/{fmpy.platform}/divide{fmpy.sharedLibraryExtension}"
-        file.write(folder / "divide.so", name)
-    return f'fmu = "{(folder / "divide.fmu").as_posix()}"\nstart = {{ u = %s }}'
+    fmu = archive(folder / "divide.fmu", DESCRIPTION, library(folder, "divide", SOURCE))
+    return f'fmu = "{fmu.as_posix()}"\nstart = {{ u = %s }}'
 
 
 def block(name: str, text: str = "") -> str:

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import shutil
-import subprocess
-import zipfile
 from pathlib import Path
 from typing import Any
 
-import fmpy
 import numpy as np
 import pytest
 
@@ -18,6 +15,7 @@ from sightline.orchestrator.stepping.starting import STEPPER
 from sightline.orchestrator.system import System
 
 from .conftest import SIMULATION
+from .foreign import archive, library
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="writes FMUs in C")
 SOURCE = r"""
@@ -99,11 +97,7 @@ VARIABLE = 'canHandleVariableCommunicationStepSize="true"'
 @pytest.fixture(scope="module")
 def binary(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The FMU's shared library."""
-    folder = tmp_path_factory.mktemp("moody")
-    (folder / "moody.c").write_text(SOURCE, encoding="utf-8")
-    command = ["cc", "-shared", "-fPIC", str(folder / "moody.c"), "-o", str(folder / "moody.so")]
-    subprocess.run(command, check=True)
-    return folder / "moody.so"
+    return library(tmp_path_factory.mktemp("moody"), "moody", SOURCE)
 
 
 @pytest.fixture(params=["python", "compiled"])
@@ -112,10 +106,7 @@ def moody(request, monkeypatch, write, binary: Path, tmp_path: Path):
     monkeypatch.setenv(STEPPER, request.param)
 
     def system(*instances: str, flags: str = VARIABLE, **options: Any) -> System:
-        with zipfile.ZipFile(tmp_path / "moody.fmu", "w") as archive:
-            archive.writestr("modelDescription.xml", DESCRIPTION.format(flags=flags))
-            name = f"binaries/{fmpy.platform}/moody{fmpy.sharedLibraryExtension}"
-            archive.write(binary, name)
+        archive(tmp_path / "moody.fmu", DESCRIPTION.format(flags=flags), binary)
         tables = {
             f"m{i}": f'fmu = "moody.fmu"\nparameters = {{ {text} }}'
             for i, text in enumerate(instances)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import re
 import shutil
-import subprocess
-import zipfile
 from pathlib import Path
 
 import fmpy
@@ -18,6 +16,8 @@ from sightline.orchestrator.explain.text import text
 from sightline.orchestrator.results.file import read
 from sightline.orchestrator.stepping.starting import STEPPER
 from sightline.orchestrator.system import System
+
+from .foreign import archive, library
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="writes FMUs in C")
 SOURCE = r"""
@@ -140,11 +140,7 @@ def description(flags: str, more: str) -> str:
 @pytest.fixture(scope="module")
 def binary(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The FMU's shared library."""
-    folder = tmp_path_factory.mktemp("moody")
-    (folder / "moody.c").write_text(SOURCE, encoding="utf-8")
-    command = ["cc", "-shared", "-fPIC", str(folder / "moody.c"), "-o", str(folder / "moody.so")]
-    subprocess.run(command, check=True)
-    return folder / "moody.so"
+    return library(tmp_path_factory.mktemp("moody"), "moody", SOURCE)
 
 
 @pytest.fixture(params=["python", "compiled"])
@@ -153,10 +149,8 @@ def moody(request, monkeypatch, write, binary: Path, tmp_path: Path):
     monkeypatch.setenv(STEPPER, request.param)
 
     def system(mood: int, flags: str = EVENTS, more: str = "", links=(), **tables: str) -> System:
-        with zipfile.ZipFile(tmp_path / "moody.fmu", "w") as archive:
-            archive.writestr("modelDescription.xml", description(flags, more))
-            name = f"binaries/{fmpy.platform_tuple}/moody{fmpy.sharedLibraryExtension}"
-            archive.write(binary, name)
+        path = tmp_path / "moody.fmu"
+        archive(path, description(flags, more), binary, fmpy.platform_tuple)
         m = f'fmu = "moody.fmu"\nparameters = {{ mood = {mood} }}'
         return System.from_toml(write(links, m=m, **tables))
 

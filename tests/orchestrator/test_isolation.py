@@ -9,11 +9,9 @@ import signal
 import subprocess
 import sys
 import time
-import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
-import fmpy
 import numpy as np
 import pytest
 
@@ -22,6 +20,8 @@ from sightline.orchestrator.errors import RunError
 from sightline.orchestrator.results.file import Results, read
 from sightline.orchestrator.stepping.starting import STEPPER
 from sightline.orchestrator.system import System
+
+from . import foreign
 
 BLOCKS = Path(__file__).with_name("blocks.py").as_posix()
 COMPILER = pytest.mark.skipif(shutil.which("cc") is None, reason="writes FMUs in C")
@@ -95,14 +95,9 @@ DESCRIPTION = """<fmiModelDescription fmiVersion="2.0" modelName="unruly" guid="
 def archive(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """An FMU that dies in many ways."""
     folder = tmp_path_factory.mktemp("unruly")
-    (folder / "unruly.c").write_text(SOURCE, encoding="utf-8")
-    command = ["cc", "-shared", "-fPIC", str(folder / "unruly.c"), "-o", str(folder / "unruly.so")]
-    subprocess.run(command, check=True)
-    with zipfile.ZipFile(folder / "unruly.fmu", "w") as file:
-        file.writestr("modelDescription.xml", DESCRIPTION)
-        name = f"binaries/{fmpy.platform}/unruly{fmpy.sharedLibraryExtension}"
-        file.write(folder / "unruly.so", name)
-    return folder / "unruly.fmu"
+    return foreign.archive(
+        folder / "unruly.fmu", DESCRIPTION, foreign.library(folder, "unruly", SOURCE)
+    )
 
 
 @pytest.fixture

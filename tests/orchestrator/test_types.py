@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import shutil
-import subprocess
-import zipfile
 from pathlib import Path
 
 import fmpy
@@ -13,6 +11,8 @@ import pytest
 
 from sightline.orchestrator.stepping.starting import STEPPER
 from sightline.orchestrator.system import System
+
+from .foreign import archive, library
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="writes an FMU in C")
 STARTS = {
@@ -61,10 +61,7 @@ TYPE(Int64, int64_t) TYPE(UInt64, uint64_t) TYPE(Boolean, bool)
 @pytest.fixture
 def shift(tmp_path: Path) -> Path:
     """An FMU that puts out its inputs of the step before; references 16 and up are outputs."""
-    (tmp_path / "shift.c").write_text(SOURCE, encoding="utf-8")
-    binary = tmp_path / "shift.so"
-    command = ["cc", "-shared", "-fPIC", str(tmp_path / "shift.c"), "-o", str(binary)]
-    subprocess.run(command, check=True)
+    binary = library(tmp_path, "shift", SOURCE)
     ports = "".join(
         f'<{type_} name="{name}_{type_}" valueReference="{first + i}" causality="{causality}" '
         f'variability="{"continuous" if type_.startswith("Float") else "discrete"}" {extra}>'
@@ -82,12 +79,7 @@ def shift(tmp_path: Path) -> Path:
         f'<CoSimulation modelIdentifier="shift"/><ModelVariables>{ports}</ModelVariables>'
         f"<ModelStructure>{outputs}</ModelStructure></fmiModelDescription>"
     )
-    path = tmp_path / "shift.fmu"
-    with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("modelDescription.xml", xml)
-        name = f"binaries/{fmpy.platform_tuple}/shift{fmpy.sharedLibraryExtension}"
-        archive.write(binary, name)
-    return path
+    return archive(tmp_path / "shift.fmu", xml, binary, fmpy.platform_tuple)
 
 
 def values(type_: str) -> np.ndarray:
