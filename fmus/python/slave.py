@@ -42,6 +42,7 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu is untyped
         self._start_time = 0.0
         self._mode = INSTANTIATED
         release_at_exit(self.modelName, Path(arguments["resources"]).parent)
+        search_once(arguments["resources"])
 
     def setup_experiment(
         self, start_time: float, stop_time: float | None, tolerance: float | None
@@ -138,6 +139,12 @@ def release_at_exit(name: str, folder: Path) -> None:
     binary = folder / "binaries" / "linux64" / f"{name}.so"
     if sys.orig_argv and binary.is_file():
         atexit.register(ctypes.CDLL(str(binary)).finalizePythonInterpreter)
+
+
+def search_once(folder: str) -> None:
+    """Drop the folder from the search path's front, where every new instance puts it once more."""
+    if sys.path[0] == folder and folder in sys.path[1:]:
+        del sys.path[0]
 
 
 def keep(thing: object) -> None:

@@ -26,14 +26,16 @@ CAPABILITIES = {
     "canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true",
     "canNotUseMemoryManagementFunctions": "true",
 }  # fmt: skip
-# pythonfmu compiles and runs the entry for every instance, and keeps what it compiled: the less the
-# better. It releases the entry's globals each time.
-ENTRY = '''from {package}.entry import {block}Slave, keep
+SCRIPT = "from {package}.entry import {block}Slave\n"  # what the builder looks for a class in
+# What the FMU carries instead. pythonfmu's binary runs it for every instance, releases its globals
+# each time, and leaves memory behind for every class that it finds; finding none, it asks the
+# module for the name "".
+ENTRY = """from {package}.entry import keep, slave_class as __getattr__
 keep(globals())
-'''
+"""
 CLASS = '''"""The slave that pythonfmu runs."""
 
-from {package}.fmus.python.slave import BlockSlave, keep as keep
+from {package}.fmus.python.slave import BlockSlave, keep
 from {package}.{module} import {block}
 
 
@@ -42,6 +44,13 @@ class {block}Slave(BlockSlave):
 
     block_class = {block}
     structure = {structure!r}
+
+
+def slave_class(name: str) -> type[BlockSlave]:
+    """The class of the slave, by which name the module is asked for it."""
+    if name:
+        raise AttributeError(name)
+    return {block}Slave
 '''
 
 _builder_lock = threading.Lock()  # pythonfmu's builder changes sys.path and sys.modules
@@ -57,14 +66,22 @@ def build_python(model: Model, out: Path) -> None:
     for package in ("", "fmus/", "fmus/python/"):
         files.setdefault(f"{package}__init__.py", b"")
     layout = json.dumps([_slot(v) for v in model.variables], indent=1).encode()
-    digest = _digest({**files, slave.LAYOUT_FILE: layout, "structure": repr(
-        model.block.structure).encode(), "xml": render(model, "", {"CoSimulation": CAPABILITIES})})
+    digest = _digest({**files, slave.LAYOUT_FILE: layout, "entry": (ENTRY + CLASS).encode(),
+                      "structure": repr(model.block.structure).encode(),
+                      "xml": render(model, "", {"CoSimulation": CAPABILITIES})})
     unique = f"sightline_{block.__name__.lower()}_{digest[:12]}"
     names = {"package": unique, "module": block_module(block), "block": block.__name__,
              "structure": model.block.structure}
-    entry, files["entry.py"] = ENTRY.format(**names), CLASS.format(**names).encode()
+    files["entry.py"] = CLASS.format(**names).encode()
+    script = Path(f"{unique}_slave.py")
     with tempfile.TemporaryDirectory(prefix="sightline-") as folder:
-        members = _pythonfmu_archive(Path(folder), unique, entry, files, layout)
+        source = Path(folder, "source")
+        for name, content in files.items():
+            _write(source / unique / name, content)
+        _write(source / slave.LAYOUT_FILE, layout)
+        _write(source / script, SCRIPT.format(**names).encode())
+        members = _pythonfmu_archive(source / script)
+    members[f"resources/{script}"] = ENTRY.format(**names).encode()
     identifier = f"{block.__name__}Slave"
     members = {n.replace(f"/{identifier}.", f"/{block.__name__}.") if n.startswith("binaries/")
                else n: c for n, c in members.items()}
@@ -89,30 +106,24 @@ def _digest(files: dict[str, bytes]) -> str:
     return sha.hexdigest()[:32]
 
 
-def _pythonfmu_archive(
-    folder: Path, unique: str, entry: str, files: dict[str, bytes], layout: bytes
-) -> dict[str, bytes]:
-    """Members of the archive that pythonfmu's builder makes of the entry and the package."""
-    source = folder / "source"
-    for name, content in files.items():
-        path = source / unique / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content)
-    script = source / f"{unique}_slave.py"
-    script.write_text(entry, encoding="utf-8")
-    (source / slave.LAYOUT_FILE).write_bytes(layout)
+def _write(path: Path, content: bytes) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(content)
+
+
+def _pythonfmu_archive(script: Path) -> dict[str, bytes]:
+    """Members of the archive that pythonfmu's builder makes of a script and what lies beside it."""
+    out, beside = script.parent.with_suffix(".fmu"), set(script.parent.iterdir()) - {script}
     with _builder_lock:
         path_before, modules_before = list(sys.path), set(sys.modules)
         try:
-            FmuBuilder.build_FMU(
-                script, dest=folder / "out.fmu",
-                project_files=[source / unique, source / slave.LAYOUT_FILE],
-            )
+            FmuBuilder.build_FMU(script, dest=out, project_files=beside)
         finally:
             sys.path[:] = path_before
+            packages = {path.stem for path in beside}
             for name in set(sys.modules) - modules_before:
-                if name.startswith(unique):
+                if name.partition(".")[0] in packages | {script.stem}:
                     del sys.modules[name]
-    with zipfile.ZipFile(folder / "out.fmu") as archive:
+    with zipfile.ZipFile(out) as archive:
         return {n: archive.read(n) for n in archive.namelist()
                 if "__pycache__" not in n and not n.endswith("/")}

@@ -288,3 +288,28 @@ print("alive")
 """
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (0, "alive\n"), done.stderr
+
+
+def test_freed_instances_leave_next_to_nothing(body_fmu: Path) -> None:
+    """pythonfmu itself keeps the name of the resources folder for each instance: one block."""
+    script = f"""
+import gc, sys
+sys.path.insert(0, {str(Path(__file__).parent)!r})
+from slaves import instantiate, loaded
+from pathlib import Path
+
+def left(count):
+    gc.collect()
+    before = sys.getallocatedblocks()
+    for _ in range(count):
+        instantiate(description, folder).fmu.freeInstance()
+    gc.collect()
+    return sys.getallocatedblocks() - before
+
+with loaded(Path({str(body_fmu)!r})) as (description, folder):
+    left(100)
+    searched = list(sys.path)
+    print(left(500) < 1.5 * 500, sys.path == searched)
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, "True True\n"), done.stderr
