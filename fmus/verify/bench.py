@@ -10,7 +10,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -58,7 +58,8 @@ class Workshop:
         process.stdin.flush()
         line = process.stdout.readline()
         if not line:
-            return {"ended": "exit", "code": process.wait(), "call": "", "output": ""}
+            return {"lost": [{"ended": "exit", "code": process.wait(), "trial": "", "call": "",
+                              "output": ""}]}
         answer: dict[str, Any] = json.loads(line)
         return answer
 
@@ -146,22 +147,32 @@ def _run(
     }  # fmt: skip
     began = time.monotonic()
     answer = shop.run(job)
-    if "result" in answer:
-        return CheckResult.from_json(answer["result"])
-    where = answer["call"] or "before the first call"
-    finding = Finding(check.name, where, "", _ending(answer, seconds))
-    return CheckResult(check.name, Verdict.FAILED, (finding,), seconds=time.monotonic() - began)
+    lost = [_loss(check, end) for end in answer["lost"]]
+    if "result" not in answer:
+        rest = replace(lost[-1], remedy="what comes after that in this check was not tried")
+        return CheckResult(check.name, Verdict.FAILED, (*lost[:-1], rest),
+                           seconds=time.monotonic() - began)
+    result = CheckResult.from_json(answer["result"])
+    return result if not lost else replace(
+        result, verdict=Verdict.FAILED, findings=(*lost, *result.findings)
+    )  # fmt: skip
 
 
-def _ending(answer: dict[str, Any], seconds: float) -> str:
-    if answer["ended"] == "time":
-        return f"did not come back within {seconds:g} s"
-    output = answer["output"].strip()
+def _loss(check: Check, end: dict[str, Any]) -> Finding:
+    """How a process ended, as a finding."""
+    where = ", ".join(filter(None, (end["trial"], end["call"]))) or "before the first call"
+    return Finding(check.name, where, "", _ending(end))
+
+
+def _ending(end: dict[str, Any]) -> str:
+    if end["ended"] == "time":
+        return f"did not come back within {end['seconds']:.3g} s"
+    output = end["output"].strip()
     said = f"; its last words: {output.splitlines()[-1][:200]}" if output else ""
-    if answer["ended"] == "signal":
+    if end["ended"] == "signal":
         try:
-            name = signal.Signals(answer["code"]).name
+            name = signal.Signals(end["code"]).name
         except ValueError:
-            name = f"signal {answer['code']}"
+            name = f"signal {end['code']}"
         return f"crashed the process ({name}){said}"
-    return f"ended the process with exit code {answer['code']}{said}"
+    return f"ended the process with exit code {end['code']}{said}"

@@ -1,8 +1,9 @@
 """The process in which FMUs run: takes jobs as lines of JSON, answers each with a line of JSON.
 
 Each job is one check of one FMU, in a process of its own: a fork of this one, which has everything
-imported already, or a new one where there is no fork. What the FMU prints goes to a file; the name
-of each call is written into a file mapped to memory, which survives whatever ends the process.
+imported already, or a new one where there is no fork. What the FMU prints goes to a file, and so
+does what it is doing. Where a process is lost in one of several trials of a check, the check runs
+again without that trial, so that one crash does not hide the others.
 """
 
 from __future__ import annotations
@@ -11,7 +12,6 @@ import contextlib
 import gc
 import importlib
 import json
-import mmap
 import os
 import select
 import signal
@@ -31,8 +31,9 @@ from .lab import Lab
 from .registry import Check, NotApplicable, Notes, checks
 from .session import Ended, Refused
 from .subject import Subject
+from .trace import Trace, last
 
-TRACE_BYTES = 256
+LOST = 8  # processes lost in trials of one check before it is given up
 
 
 def main() -> None:
@@ -72,19 +73,33 @@ def _prepare(job: dict[str, Any]) -> None:
 
 
 def _serve(job: dict[str, Any]) -> dict[str, Any]:
-    """Run one job in a process of its own: its result, or how the process ended."""
+    """The result of a job if there is one, and how the processes ended that were lost."""
+    lost: list[dict[str, Any]] = []
+    deadline = time.monotonic() + 2.0 * job["seconds"]
+    while len(lost) < LOST and (left := deadline - time.monotonic()) > 0.0:
+        skipped = [end["trial"] for end in lost]
+        answer = _attempt(job | {"lost": skipped, "seconds": min(job["seconds"], left)})
+        if "result" in answer:
+            return answer | {"lost": lost}
+        lost.append(answer)
+        if not answer["trial"]:
+            break
+    return {"lost": lost}
+
+
+def _attempt(job: dict[str, Any]) -> dict[str, Any]:
+    """Run a job in a process of its own: its result, or how the process ended."""
     with tempfile.TemporaryDirectory(prefix="sightline-verify-") as scratch:
         job |= {"scratch": scratch}
-        (Path(scratch) / "trace").write_bytes(bytes(TRACE_BYTES))
         (Path(scratch) / "work").mkdir()
         runner = _fork if hasattr(os, "fork") else _spawn
         text, answer = runner(job, time.monotonic() + job["seconds"])
         if text and "ended" not in answer:
             return {"result": json.loads(text)}
-        call = (Path(scratch) / "trace").read_bytes().rstrip(b"\0").decode(errors="replace")
+        trial, call = last(Path(scratch) / "trace")
         output = Path(scratch) / "output"
         said = output.read_text(errors="replace")[-2000:] if output.exists() else ""
-        return answer | {"call": call, "output": said}
+        return answer | {"trial": trial, "call": call, "output": said, "seconds": job["seconds"]}
 
 
 def _fork(job: dict[str, Any], deadline: float) -> tuple[str, dict[str, Any]]:
@@ -161,25 +176,19 @@ def run(job: dict[str, Any]) -> CheckResult:
     check = checks()[job["check"]]
     began = time.monotonic()
     os.chdir(Path(job["scratch"]) / "work")
-    with (Path(job["scratch"]) / "trace").open("r+b") as file:
-        trace = mmap.mmap(file.fileno(), TRACE_BYTES)
-
-    def record(call: str) -> None:
-        trace[:] = call.encode()[:TRACE_BYTES].ljust(TRACE_BYTES, b"\0")
-
     notes = Notes(check.name)
-    verdict, reason = _judge(check, notes, job, record)
+    verdict, reason = _judge(check, notes, job, Trace(Path(job["scratch"]) / "trace"))
     return CheckResult(check.name, verdict, tuple(notes.findings), reason, dict(notes.tried),
                        time.monotonic() - began)
 
 
-def _judge(check: Check, notes: Notes, job: dict[str, Any], record: Any) -> tuple[Verdict, str]:
+def _judge(check: Check, notes: Notes, job: dict[str, Any], trace: Trace) -> tuple[Verdict, str]:
     lab: Lab | None = None
     try:
         lab = Lab(
-            _subject(**job["file"]), [_subject(**f) for f in job["others"]],
+            _subject(**job["file"]), trace, [_subject(**f) for f in job["others"]],
             Path(job["reference"]) if job["reference"] else None,
-            job["seed"], job["effort"], record,
+            job["seed"], job["effort"], job["lost"],
         )
         if not check.name.startswith("description"):
             lab.require_interface()

@@ -16,10 +16,10 @@ from typing import Any, ClassVar, TypeAlias
 import numpy as np
 
 from .subject import Array, Subject, Variable
+from .trace import Trace
 
 OK, WARNING, DISCARD, ERROR, FATAL, PENDING = range(6)
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
-Trace: TypeAlias = Callable[[str], None]
 Handle: TypeAlias = ctypes.c_void_p
 Values: TypeAlias = Sequence[float] | Array
 
@@ -75,14 +75,14 @@ class Driver(ABC):
 
     def call(self, function: str, *arguments: Any, note: str = "") -> int:
         """Call a function on this instance by its name without prefix; the status."""
-        self.trace(f"{self.prefix}{function}{note}")
+        self.trace.call(f"{self.prefix}{function}{note}")
         status = int(getattr(self.functions, self.prefix + function)(self.component, *arguments))
         self.fatal = self.fatal or status == FATAL
         return status
 
     def instantiate(self, token: str | None = None) -> Driver:
         """Create the instance. Raises NoInstance; ``token`` stands in for the FMU's own."""
-        self.trace(f"{self.prefix}Instantiate")
+        self.trace.call(f"{self.prefix}Instantiate")
         self.component = self._instantiate(
             self.subject.description.guid if token is None else token
         )
@@ -94,7 +94,7 @@ class Driver(ABC):
     def free(self) -> None:
         """Free the instance; nothing after a fatal error, which forbids it."""
         if self.component and not self.freed and not self.fatal:
-            self.trace(f"{self.prefix}FreeInstance")
+            self.trace.call(f"{self.prefix}FreeInstance")
             getattr(self.functions, f"{self.prefix}FreeInstance")(self.component)
         self.freed = True
 
@@ -150,7 +150,7 @@ class Driver(ABC):
         if key not in _libraries:
             slave, model = self._classes()
             info = self.subject.interfaces[self.interface]
-            self.trace("loading the library")
+            self.trace.call("loading the library")
             try:
                 _libraries[key] = (slave if self.interface == "cs" else model)(
                     guid=self.subject.description.guid, instanceName=self.name,

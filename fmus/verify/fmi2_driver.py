@@ -78,7 +78,7 @@ class Driver2(Driver):
         return asked == 0 and bool(value.value)
 
     def stepper(self, h: float) -> Callable[[float], int]:
-        self.trace(f"fmi2DoStep of {h:.9g} s, many times")
+        self.trace.call(f"fmi2DoStep of {h:.9g} s, many times")
         function, component = self.functions.fmi2DoStep, self.component
         return lambda time: int(function(component, time, h, 1))
 

@@ -88,7 +88,7 @@ class Driver3(Driver):
         return good(status) and self._end
 
     def stepper(self, h: float) -> Callable[[float], int]:
-        self.trace(f"fmi3DoStep of {h:.9g} s, many times")
+        self.trace.call(f"fmi3DoStep of {h:.9g} s, many times")
         flags = [ctypes.c_bool() for _ in range(3)]
         reached = ctypes.c_double()
         out = (*(ctypes.byref(f) for f in flags), ctypes.byref(reached))

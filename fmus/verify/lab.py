@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
-from .driver import Driver, Trace
+from .driver import Driver
 from .excitation import AMPLITUDES, Excitation
 from .fmi2_driver import Driver2
 from .fmi3_driver import Driver3
 from .registry import NotApplicable
 from .session import Ended, Refused, Session
 from .subject import Array, Subject, Variable
+from .trace import Trace
 
 STEPS = 12  # of the usual trajectory
 THOROUGH = 20.0  # effort at which everything is tried
@@ -26,11 +27,12 @@ class Lab:
     """The bench of one check in one process."""
 
     subject: Subject
+    trace: Trace
     others: Sequence[Subject] = ()
     reference: Path | None = None
     seed: int = 0
     effort: float = 1.0  # scales what is tried; THOROUGH: everything
-    trace: Trace = lambda call: None
+    lost: Collection[str] = ()  # trials in which processes were lost
     _made: list[Driver] = field(default_factory=list)
 
     @property
@@ -75,6 +77,11 @@ class Lab:
         """Free all instances."""
         while self._made:
             self._made.pop().free()
+
+    def trial(self, name: str) -> bool:
+        """Begin one of several trials; False for one in which a process was lost."""
+        self.trace.trial(name)
+        return name not in self.lost
 
     def must_run(self) -> None:
         """Raise Refused if the FMU does not run with any inputs."""

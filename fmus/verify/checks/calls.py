@@ -67,9 +67,11 @@ def legal(lab: Lab, notes: Notes) -> None:
             break
         for interface in lab.subject.interfaces:
             rng = np.random.default_rng((lab.seed, number))
+            notes.tried["sequences"] += 1
+            if not lab.trial(f"{interface}, sequence {number}"):
+                continue
             walk = Walk(lab, lab.instance(interface=interface), rng)
             path: list[str] = []
-            notes.tried["sequences"] += 1
             for _ in range(LENGTH):
                 moves = walk.moves()
                 move = moves[int(rng.integers(len(moves)))]
@@ -157,12 +159,14 @@ def illegal(lab: Lab, notes: Notes) -> None:
         raise NotApplicable("checked for co-simulation only")
     expected = lab.trajectory(lab.session(), steps=3)
     for call in illegal_calls(lab):
+        notes.tried["calls"] += 1
+        where = f"{call.name} in mode {call.mode}"
+        if not lab.trial(where):
+            continue
         driver = _brought(lab, call.mode)
         status = call.do(driver)
         if good(status) and call.sets:
             status = driver.do_step(lab.subject.start_time, lab.subject.step)
-        notes.tried["calls"] += 1
-        where = f"{call.name} in mode {call.mode}"
         if good(status):
             notes.wrong(where, "accepted", "an error status")
         _undamaged(lab, notes, driver, where, expected)
@@ -194,9 +198,11 @@ def storm(lab: Lab, notes: Notes) -> None:
     for number in range(round(SEQUENCES * lab.effort)):
         if time.monotonic() - began > BUDGET * lab.effort and not lab.thorough:
             break
+        notes.tried["sequences"] += 1
+        if not lab.trial(where := f"random calls (sequence {number})"):
+            continue
         rng = np.random.default_rng((lab.seed, number, 1))
         walk = Walk(lab, lab.instance(), rng)
-        notes.tried["sequences"] += 1
         for _ in range(LENGTH):
             if walk.driver.fatal:
                 break
@@ -206,5 +212,5 @@ def storm(lab: Lab, notes: Notes) -> None:
             else:
                 moves = walk.moves()
                 walk.go(moves[int(rng.integers(len(moves)))])
-        _undamaged(lab, notes, walk.driver, f"random calls (sequence {number})", expected)
+        _undamaged(lab, notes, walk.driver, where, expected)
         walk.driver.free()

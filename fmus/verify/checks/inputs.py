@@ -103,11 +103,6 @@ def _fresh(lab: Lab, session: Session | None) -> Session:
     return lab.session("trial")
 
 
-def _tagged(lab: Lab, session: Session, what: str) -> None:
-    """Let the trace say which value was set."""
-    session.driver.trace = lambda call: lab.trace(f"{call} with {what}")
-
-
 @check("inputs.running", "special values of inputs give an error with a message, or finite outputs",
        seconds=30.0)
 def running(lab: Lab, notes: Notes) -> None:
@@ -119,13 +114,13 @@ def running(lab: Lab, notes: Notes) -> None:
     for variable, element, value in _trials(lab.subject.inputs):
         if time.monotonic() - began > BUDGET * lab.effort and not lab.thorough:
             break
+        notes.tried["values"] += 1
+        if not lab.trial(what := f"{variable.elements[element]} = {value:g}"):
+            continue
         session = _fresh(lab, session)
-        name = variable.elements[element]
-        _tagged(lab, session, f"{name} = {value:g}")
         session.begin(inputs=lab.excitation.at(0))
         session.driver.log.clear()
-        notes.tried["values"] += 1
-        trial = _Trial(session, lab, notes, f"{name} = {value:g}")
+        trial = _Trial(session, lab, notes, what)
         _status, values = session.driver.get([variable])
         values[element] = value
         if not trial.did(session.driver.set([variable], values), "setting"):
@@ -148,12 +143,11 @@ def start(lab: Lab, notes: Notes) -> None:
     for variable, element, value in _trials(variables):
         if time.monotonic() - began > BUDGET * lab.effort and not lab.thorough:
             break
-        session = _fresh(lab, session)
-        name = variable.elements[element]
-        _tagged(lab, session, f"{name} = {value:g}")
         notes.tried["values"] += 1
-        _initialise(lab, session, _Trial(session, lab, notes, f"{name} = {value:g}"),
-                    variable, element, value)
+        if not lab.trial(what := f"{variable.elements[element]} = {value:g}"):
+            continue
+        session = _fresh(lab, session)
+        _initialise(lab, session, _Trial(session, lab, notes, what), variable, element, value)
 
 
 def _initialise(

@@ -43,6 +43,12 @@ static fmi2Status refuse(Model *self, const char *what)
 #if defined DEFECT_DAMAGE
     damage = 1e-3;
 #endif
+#if defined DEFECT_ABORTS
+    abort();
+#elif defined DEFECT_STUCK
+    for (;;)
+        pause();
+#endif
 #if !defined DEFECT_NO_MESSAGE
     if (self->log)
         self->log(self->environment, self->name, fmi2Error, "logStatusError", what);

@@ -38,7 +38,7 @@ IN_THE_SOURCE = [
     ("NAN", "inputs.running", "u = nan: der(x), y not finite after setting, with status OK"),
     ("NAN", "inputs.start", "k = nan"),
     ("NO_MESSAGE", "inputs.running", "u = nan: refused on setting without a message"),
-    ("CRASH_ON_NAN", "inputs.running", "fmi2SetReal with u = nan: crashed the process (SIGABRT)"),
+    ("CRASH_ON_NAN", "inputs.running", "u = nan, fmi2SetReal: crashed the process (SIGABRT)"),
     ("DERIVATIVE", "derivatives.directional", "by x: d z is"),
     ("EXCHANGE", "interfaces", "by model exchange"),
     ("EXCHANGE_LITTLE", "interfaces", "der(x) after step 1, at the same states"),
@@ -100,6 +100,32 @@ def test_a_hanging_fmu_is_ended_and_its_last_call_named(make: Make, check: Check
     report = check(make("HANG"), only=("calls.storm",), time_limit=1.0)
     assert "did not come back within 1 s" in str(report.failures[0])
     assert report.failures[0].where.startswith("fmi2DoStep(")
+
+
+def test_a_crash_in_one_trial_does_not_hide_the_others(make: Make, check: Check) -> None:
+    report = check(make("CRASH_ON_NAN"), only=("inputs.running",))
+    assert [f.where for f in report.failures] == [
+        f"u = {value}, fmi2SetReal" for value in ("nan", "inf", "-inf")
+    ]
+    sound = check(make(), only=("inputs.running",)).result("inputs.running")
+    assert report.result("inputs.running").tried["values"] == sound.tried["values"]
+
+
+def test_a_check_is_given_up_where_every_trial_crashes(make: Make, check: Check) -> None:
+    failures = check(make("ABORTS"), only=("calls.illegal",)).failures
+    assert [f.where.split(", fmi2")[0] for f in failures[:3]] == [
+        f"a step in mode {mode}" for mode in ("instantiated", "initialisation", "terminated")
+    ]
+    assert len({f.where for f in failures}) == 8
+    assert failures[-1].remedy == "what comes after that in this check was not tried"
+
+
+def test_a_hang_in_one_trial_does_not_hide_the_next(make: Make, check: Check) -> None:
+    failures = check(make("STUCK"), only=("calls.illegal",), time_limit=1.0).failures
+    assert [f.where for f in failures] == [
+        f"a step in mode {mode}, fmi2DoStep(0, 0.05)" for mode in ("instantiated", "initialisation")
+    ]
+    assert all("did not come back within" in f.found for f in failures)
 
 
 def test_after_a_crash_the_other_checks_run(make: Make, check: Check) -> None:
