@@ -8,10 +8,13 @@ from typing import IO
 
 OK, WARNING, DISCARD, ERROR, FATAL = range(5)
 STATUS = ("OK", "warning", "discard", "error", "fatal", "pending")
-ENDED, STUCK, LOST = 100, 101, 102  # of our own
+ENDED, STUCK, LOST, TRAP = 100, 101, 102, 110  # of our own
+TRAPS = ("arithmetic", "integer division by zero", "integer overflow", "division by zero",
+         "overflow", "underflow", "an inexact result", "an invalid operation")  # fmt: skip
 OUR_OWN = {
     ENDED: "a request to end the simulation", STUCK: "events without end",
     LOST: "the end of its process",
+    **{TRAP + i: f"a trap (SIGFPE): {what}" for i, what in enumerate(TRAPS)},
 }  # fmt: skip
 
 

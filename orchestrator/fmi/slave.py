@@ -21,7 +21,7 @@ from ..schedule.plan import Array, Block
 from ..wiring.graph import Node, Setting
 from .archive import PLATFORMS
 from .library import load, references
-from .log import DISCARD, FATAL, OK, WARNING, RunLog, status_name
+from .log import DISCARD, FATAL, OK, TRAP, WARNING, RunLog, status_name
 
 Call = Callable[[], int]
 UNSIGNED = ctypes.POINTER(c_uint)
@@ -41,7 +41,7 @@ class Slave(ABC):
         self.fmu = node.fmu
         self.log = log
         self.time = 0.0
-        self.dead = False  # after fatal no function may be called
+        self.dead = False  # after fatal, or a trap, no function may be called
         self._initialised = False
         self.final = not node.fmu.can_restore  # whether no state of before will be restored
         try:
@@ -199,7 +199,7 @@ class Slave(ABC):
     def _must(self, action: str, status: int) -> None:
         if status in (OK, WARNING):
             return
-        if status == FATAL:
+        if status == FATAL or status >= TRAP:
             self.dead = True
         else:
             self._initialised = self._initialised and status == DISCARD

@@ -16,6 +16,7 @@ from orchestrator.stepping._conversion cimport (
 from orchestrator.stepping._courses cimport follow, follow_on
 from orchestrator.stepping._events cimport step_three
 from orchestrator.stepping._fmi cimport WARNING, Course, Derive, Move, Part, Step2, Transfer2, Transfer3
+from orchestrator.stepping._traps cimport BEGIN_TRAPS, END_TRAPS, TRAPPED, WHICH_TRAP
 
 cdef extern from *:
     """
@@ -182,8 +183,17 @@ cdef class Loop:
         if act == 0:
             self.rows = 0
         with nogil:
-            done = self._advance(first, last, stride, rows, act)
+            BEGIN_TRAPS()
+            done = self._unless_trapped(first, last, stride, rows, act)
+            END_TRAPS()
         return done
+
+    cdef bint _unless_trapped(self, size_t first, size_t last, size_t stride, double *rows,
+                              size_t act) noexcept nogil:
+        if TRAPPED():
+            self.status = WHICH_TRAP()
+            return False
+        return self._advance(first, last, stride, rows, act)
 
     cdef bint _advance(self, size_t first, size_t last, size_t stride, double *rows,
                        size_t act) noexcept nogil:
@@ -207,16 +217,16 @@ cdef class Loop:
         cdef int what
         cdef bint good
         while act < self.length:
+            self.act, self.part = act, 0
             what = self.acts[2 * act]
             if what == SOLVE:
-                self.act, self.status = act, 0
+                self.status = 0
                 return False
             part = &self.parts[self.acts[2 * act + 1]]
             if self.many and what == WRITE:
                 self._fetch(part + 1)
             if part.plain and not self.free:
                 if not self._plainly(part, what, number):
-                    self.act = act
                     return False
             elif part.every == 1 or self.free or (number + 1) % part.every == 0:
                 if what == WRITE:
@@ -228,7 +238,6 @@ cdef class Loop:
                 else:
                     good = self._update(part)
                 if not good:
-                    self.act = act
                     return False
             act += 1
         return True
@@ -248,8 +257,7 @@ cdef class Loop:
             status = (<Step2>part.step)(
                 part.component, self.start + <double>number * self.step, self.step, part.final
             )
-            if status > WARNING:
-                self.part, self.status = 0, status
+            self.status = status
             return status <= WARNING
         if what == READ:
             if part.gets != 1:
@@ -312,10 +320,10 @@ cdef class Loop:
             width = <double>part.every * self.step
         piece = width / <double>part.parts
         for i in range(part.parts):
+            self.part = i
             if i and part.course is not NULL:
                 follow_on(part.course, self.values, <double>i * piece)
                 if not self._put(part):
-                    self.part = i
                     return False
             if part.three:
                 self.status = step_three(part, time + <double>i * piece, piece)
@@ -324,7 +332,6 @@ cdef class Loop:
                     part.component, time + <double>i * piece, piece, part.final
                 )
             if self.status > WARNING:
-                self.part = i
                 return False
         return True
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import platform
 import resource
 import shutil
 import signal
@@ -27,6 +28,7 @@ COMPILER = pytest.mark.skipif(shutil.which("cc") is None, reason="writes FMUs in
 SOURCE = r"""
 #define _GNU_SOURCE
 #include <fenv.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <stddef.h>
 #ifdef __x86_64__
@@ -61,6 +63,11 @@ int fmi2GetReal(void *c, Refs r, size_t n, double *v)
 int fmi2DoStep(void *c, double t, double h, int x)
 {
     Fmu *f = c;
+#ifdef TRAPS
+    if (t > 0.25) {
+        TRAPS;
+    }
+#endif
     f->x = t > 0.25 ? f->u / f->after : 1.0;
     return 0;
 }
@@ -139,6 +146,38 @@ def test_division_that_would_trap_is_told_by_its_result(
     results = read(tmp_path / "out" / "results.h5")
     np.testing.assert_allclose(results.time, [0.0, 0.1, 0.2, 0.3, 0.4])
     assert np.isfinite(results["a.x"]).tolist() == [True, True, True, True, False]
+
+
+INTEL = pytest.mark.skipif(
+    platform.machine() not in ("x86_64", "AMD64"), reason="only Intel's processors trap"
+)
+
+
+@COMPILER
+@pytest.mark.parametrize(
+    ("statement", "cause"),
+    [
+        pytest.param("f->x = (int)f->u / (int)f->after", "integer division by zero", marks=INTEL),
+        pytest.param("feenableexcept(FE_DIVBYZERO)", "division by zero", marks=INTEL),
+        pytest.param("f->u = 0.0; feenableexcept(FE_INVALID)", "an invalid operation", marks=INTEL),
+        ("raise(SIGFPE)", "arithmetic"),
+    ],
+)
+def test_trap_in_a_step_ends_the_run_and_is_told(
+    statement: str, cause: str, write, tmp_path: Path
+) -> None:
+    binary = library(tmp_path, "divide", f"#define TRAPS {statement}\n{SOURCE}")
+    archive(tmp_path / "divide.fmu", DESCRIPTION, binary)
+    path = write(a='fmu = "divide.fmu"\nstart = { u = 1.0 }')
+    done = sightline("run", path, "--out", tmp_path / "out")
+    assert done.returncode == 1
+    assert done.stderr.endswith(
+        f"a at t = 0.3 s: the step of 0.1 s ended with a trap (SIGFPE): {cause}\n"
+    )
+    results = read(tmp_path / "out" / "results.h5")
+    assert not results.complete
+    np.testing.assert_allclose(results.time, [0.0, 0.1, 0.2, 0.3])
+    np.testing.assert_allclose(results["a.x"][1:], 1.0)
 
 
 @COMPILER
