@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
@@ -238,3 +239,21 @@ def test_a_long_note_is_cut_and_says_where_all_of_it_is(tmp_path: Path) -> None:
     assert note.endswith(" ...; sightline explain tells all of it")
     assert len(note) <= 240
     assert "0.001358016, 0, 0] m" in sightline("explain", config).stdout
+
+
+def test_explain_draws_a_picture_of_the_kind_asked_for(system: Path, tmp_path: Path) -> None:
+    picture = tmp_path / "pictures" / "wiring.svg"
+    done = sightline("explain", system, "--graph", picture)
+    assert done.returncode == 0
+    assert done.stdout.endswith(f"\npicture in {picture}\n")
+    assert ElementTree.parse(picture).getroot().tag == "{http://www.w3.org/2000/svg}svg"
+
+
+def test_a_picture_that_cannot_be_made_is_told(system: Path, tmp_path: Path) -> None:
+    unknown = sightline("explain", system, "--graph", tmp_path / "wiring.xyz")
+    assert unknown.returncode == 2
+    assert "xyz" in unknown.stderr
+    (tmp_path / "file").touch()
+    refused = sightline("explain", system, "--graph", tmp_path / "file" / "wiring.svg")
+    assert refused.returncode == 1
+    assert refused.stderr.startswith("cannot write the picture: ")
