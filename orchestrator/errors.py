@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+
+from .alike import few
 
 
 @dataclass(frozen=True)
@@ -69,6 +71,20 @@ class RunError(Exception):
     def __str__(self) -> str:
         head = f"{self.instance} at t = {self.time:.10g} s: {self.action} ended with {self.status}"
         return f"{head}: {self.message}" if self.message else head
+
+
+def each(actions: Iterable[Callable[[], None]]) -> None:
+    """Do all. Raises the first RunError only then, with the others as notes."""
+    errors = []
+    for action in actions:
+        try:
+            action()
+        except RunError as error:
+            errors.append(error)
+    if errors:
+        for other in few(str(e) for e in errors[1:]):
+            errors[0].add_note(other)
+        raise errors[0]
 
 
 class LoopError(RunError):

@@ -67,9 +67,10 @@ def run(
     with ExitStack() as stack:
         stack.enter_context(_advice(simulation))
         stopped = stack.enter_context(_interrupts())
-        stepper, rested = start(graph, plan, simulation, log, stack)
-        recorder = Recorder(stepper, writer, config.record_stride)
         keeper = keeper or Keeper()
+        stop = None if keeper.goes_on else simulation.stop_time
+        stepper, rested = start(graph, plan, simulation, log, stack, stop)
+        recorder = Recorder(stepper, writer, config.record_stride)
         number = keeper.begin(stepper, recorder)
         began = time.perf_counter()
         steps, rejected = simulation.steps, 0

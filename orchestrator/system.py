@@ -172,7 +172,8 @@ class System:
         system = self._identity() if every > 0 or resume else ""
         keeper = Keeper(out / CHECKPOINT, every, system=system)
         if resume is not None:
-            keeper.resumed = resumed(resume, system, self.graph.index, self.plan.size)
+            stop = self.loaded.config.simulation.stop_time
+            keeper.resumed = resumed(resume, system, self.graph.index, self.plan.size, stop)
             keeper.recorded = results_file.holding(
                 [resume.parent / n for n in (results_file.FILE, BEFORE)], keeper.resumed.rows
             )

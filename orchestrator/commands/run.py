@@ -16,10 +16,11 @@ from ..config.parsing import parse
 from ..errors import ConfigError, FmuError, Problem, RunError
 from ..exit_codes import DONE, FAILED, MISUSED, STOPPED
 from ..progress import bar
-from ..results.file import FILE, read, write_csv
+from ..results.file import FILE, TABLE, read, write_csv
 from ..run import Interrupted, Statistics
 from ..system import System
 
+FIGURES = ".png"  # what figures are that are named after their titles
 EXAMPLE = ("los_formation", "system.toml")
 LONGEST = 240  # characters of a note; matrices make longer ones
 CUT = " ...; sightline explain tells all of it"
@@ -137,6 +138,9 @@ def _samples(out: Path) -> int:
 
 def _report(system: System, out: Path, csv: bool, code: int, console: Console) -> None:
     """Draw and tabulate what there is, and say in one line where it is."""
+    plots = system.loaded.config.plots
+    for earlier in (TABLE, *(plot.file_name(FIGURES) for plot in plots)):
+        (out / earlier).unlink(missing_ok=True)  # of a run whose results are gone
     results = read(out / FILE)
     if not len(results.time):
         console.print(f"nothing recorded; messages in {out / 'log.txt'}", markup=False)
@@ -144,11 +148,10 @@ def _report(system: System, out: Path, csv: bool, code: int, console: Console) -
     parts = [f"{FILE} ({len(results.time)} samples of {len(results.series)} signals)"]
     if csv:
         parts.append(write_csv(out / FILE, system.selection.recorded).name)
-    plots = system.loaded.config.plots
     if plots and len(results.time) > 1:
         from ..results.plots import draw
 
-        parts += [p.name for p in draw(out, plots, results)]
+        parts += [p.name for p in draw(out, plots, results, FIGURES)]
     if (out / "log.txt").exists():
         parts.append("log.txt")
     state = "results" if code == DONE else "results until then"

@@ -2,8 +2,8 @@
 
 A library may switch on traps, so that a division by zero anywhere ends the whole process, or have
 tiny numbers flushed to zero, so that results depend on who else is loaded. Without traps such a
-division gives an infinity or NaN, which :mod:`..stepping.finite` finds. What traps in a step all the
-same ends the run with a message: see ``stepping/_traps.pxd``.
+division gives an infinity or NaN, which :mod:`..stepping.finite` finds. What traps in a step all
+the same ends the run with a message: see ``stepping/_traps.pxd``.
 """
 
 from __future__ import annotations

@@ -32,6 +32,11 @@ class Keeper:
     system: str = ""
     control: Control | None = None
 
+    @property
+    def goes_on(self) -> bool:
+        """Whether a run may go on from here beyond its stop time, which FMUs' states would keep."""
+        return self.every > 0.0 or self.resumed is not None
+
     def begin(self, stepper: Stepper, recorder: Recorder) -> int:
         """Bring a system to where it begins; the number of steps taken until there."""
         self.stepper, self.recorder = stepper, recorder
@@ -74,8 +79,13 @@ class Keeper:
         return start + (1 + round((time - start) / self.every)) * self.every if self.every else 0.0
 
 
-def resumed(path: Path, system: str, instances: Iterable[str], size: int) -> Snapshot:
-    """The snapshot of a file, of so many values. Raises ConfigError if it is of another system."""
+def resumed(
+    path: Path, system: str, instances: Iterable[str], size: int, stop: float
+) -> Snapshot:
+    """The snapshot of a file, of so many values, from which a run goes on to the stop time.
+
+    Raises ConfigError if it is of another system or of later.
+    """
     where = f"--resume {path}"
     try:
         snapshot = Snapshot.read(path)
@@ -86,4 +96,7 @@ def resumed(path: Path, system: str, instances: Iterable[str], size: int) -> Sna
         raise ConfigError([Problem(where, "is of another system", remedy)])
     if snapshot.states.keys() != set(instances) or snapshot.values.shape != (size,):
         raise ConfigError([Problem(where, "is damaged")])
+    if snapshot.time > stop:
+        what = f"is of t = {snapshot.time:.9g} s, after the stop time {stop:.9g} s"
+        raise ConfigError([Problem(where, what, "give a later stop_time")])
     return snapshot

@@ -6,10 +6,11 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from pathlib import Path
 
 from ..config.model import Simulation
-from ..errors import RunError
+from ..errors import RunError, each
 from ..fmi import arithmetic, extraction
 from ..fmi.fmi2 import Slave2
 from ..fmi.fmi3 import Slave3
@@ -40,17 +41,21 @@ def stepper_class() -> type[Stepper]:
 
 
 def start(
-    graph: SystemGraph, plan: Plan, simulation: Simulation, log: RunLog, stack: ExitStack
-) -> tuple[Stepper, bool]:
+    graph: SystemGraph, plan: Plan, simulation: Simulation, log: RunLog, stack: ExitStack,
+    stop: float | None = None,
+) -> tuple[Stepper, bool]:  # fmt: skip
     """A stepper at the start of a run, and whether outputs came to rest there.
 
-    The stack frees all FMUs. Raises RunError if an FMU fails, FmuError if an archive is damaged.
+    ``stop``: where the run ends for certain, which FMUs are told. The stack frees all FMUs.
+    Raises RunError if an FMU fails, FmuError if an archive is damaged.
     """
     slaves = load(graph, log, stack)
     tolerance = Tolerance(simulation.loop_tolerance, simulation.loop_iterations)
     with arithmetic.kept():
-        for node, slave in zip(graph.nodes, slaves, strict=True):
-            slave.initialise(node.settings, simulation.start_time, simulation.stop_time)
+        each(
+            partial(slave.initialise, node.settings, simulation.start_time, stop)
+            for node, slave in zip(graph.nodes, slaves, strict=True)
+        )
         stepper = stepper_class()(plan, slaves, simulation.start_time, simulation.step, tolerance)
         return stepper, stepper.initialise(simulation.steps)
 

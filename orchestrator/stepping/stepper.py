@@ -14,6 +14,7 @@ from functools import partial
 
 import numpy as np
 
+from ..errors import each
 from ..fmi.log import DISCARD, OK, WARNING
 from ..fmi.slave import Slave
 from ..schedule.plan import Act, Array, Plan
@@ -67,8 +68,7 @@ class Stepper:
         """
         rested = settle(self)
         answers = [loop.responds(self.start) for loop in self.loops]
-        for move in self.moves:
-            move.slave.start()
+        each(move.slave.start for move in self.moves)
         for move in self.moves:
             move.read(self.start)
         for loop, expected in zip(self.loops, answers, strict=True):

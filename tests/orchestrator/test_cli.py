@@ -257,3 +257,17 @@ def test_a_picture_that_cannot_be_made_is_told(system: Path, tmp_path: Path) -> 
     refused = sightline("explain", system, "--graph", tmp_path / "file" / "wiring.svg")
     assert refused.returncode == 1
     assert refused.stderr.startswith("cannot write the picture: ")
+
+
+def test_what_an_earlier_run_left_goes_with_its_results(system: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert sightline("run", system, "--out", out, "--csv").returncode == 0
+    assert (out / "mine.png").is_file()
+    done = sightline("run", system, "--out", out, "--set", "plant.x=1e999")
+    assert done.returncode == 2  # refused: nothing was touched
+    assert (out / "mine.png").is_file()
+    (out / "kept.txt").touch()
+    done = sightline("run", system, "--out", out, "--set", "simulation.stop_time=0.2")
+    assert done.returncode == 0
+    assert not (out / "results.csv").exists()
+    assert (out / "kept.txt").exists()

@@ -66,6 +66,14 @@ def test_loop_of_ones_own_sees_every_step(builder) -> None:
     np.testing.assert_array_equal(seen, np.column_stack([results.time, results["plant.x"]]))
 
 
+def test_steps_may_go_on_beyond_the_stop_time(tmp_path: Path) -> None:
+    build = Builder(folder=tmp_path, stop_time=0.2, step=0.1)
+    build.add("craft", "FreeRigidBody", start={"velocity": [1.0, 0.0, 0.0]})
+    with build.system().start() as running:
+        running.step(5)
+        np.testing.assert_allclose(running["craft.position"], [0.5, 0.0, 0.0], rtol=1e-14)
+
+
 def test_inputs_that_nothing_drives_are_set_while_running(tmp_path: Path) -> None:
     build = Builder(stop_time=1.0, step=0.5)
     build.add("plant", f"{BLOCKS}:Integrator", target="python")

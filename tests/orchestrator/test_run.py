@@ -170,6 +170,15 @@ def test_failed_initialisation_gives_the_reason_of_the_fmu(write, tmp_path: Path
     assert e.value.message == "inertia must be positive definite"
 
 
+def test_all_instances_that_refuse_their_start_are_named(write, tmp_path: Path) -> None:
+    bad = 'component = "FreeRigidBody"\nstart = { attitude = [1.0, 1.0, 0.0, 0.0] }'
+    good = 'component = "FreeRigidBody"'
+    with pytest.raises(RunError, match="craft1 at t = 0 s: initialisation ended") as raised:
+        System.from_toml(write(craft1=bad, craft2=good, craft3=bad)).simulate(tmp_path)
+    (other,) = raised.value.__notes__
+    assert other.startswith("craft3 at t = 0 s: initialisation ended with error: attitude must be")
+
+
 def test_instances_of_one_fmu_are_apart(write, tmp_path: Path) -> None:
     tables = {f"p{i}": block("Integrator", f"start = {{ x = {i}.0, u = {i}.0 }}") for i in (1, 2)}
     results = System.from_toml(write(**tables)).simulate(tmp_path)

@@ -90,10 +90,13 @@ def test_checkpoints_change_nothing_but_the_checkpoint(formation, tmp_path: Path
     assert contents[0] == contents[1]
 
 
-def test_resume_goes_on_in_the_same_folder_and_longer(formation, tmp_path: Path) -> None:
+@pytest.mark.parametrize("target", TARGETS)
+def test_resume_goes_on_in_the_same_folder_and_longer(
+    formation, tmp_path: Path, target: str
+) -> None:
     out = tmp_path / "out"
-    System.from_toml(formation(stop=1.0)).execute(out, checkpoint_every=0.4)
-    longer = System.from_toml(formation(stop=2.0))
+    System.from_toml(formation(target=target, stop=1.0)).execute(out, checkpoint_every=0.4)
+    longer = System.from_toml(formation(target=target, stop=2.0))
     longer.execute(out, resume=out / "checkpoint.h5")
     longer.execute(tmp_path / "whole")
     np.testing.assert_array_equal(
@@ -153,6 +156,13 @@ def test_checkpoint_of_another_system_is_refused(formation, tmp_path: Path) -> N
     other = System.from_toml(formation(), {"craft.mass": 2.0})
     with pytest.raises(ConfigError, match="is of another system; only stop_time and plots may"):
         other.execute(tmp_path / "new", resume=tmp_path / "out" / "checkpoint.h5")
+
+
+def test_checkpoint_of_after_the_stop_time_is_refused(formation, tmp_path: Path) -> None:
+    System.from_toml(formation()).execute(tmp_path / "out", checkpoint_every=1.5)
+    shorter = System.from_toml(formation(stop=1.0))
+    with pytest.raises(ConfigError, match=r"is of t = 1\.5 s, after the stop time 1 s; give a"):
+        shorter.execute(tmp_path / "new", resume=tmp_path / "out" / "checkpoint.h5")
 
 
 @pytest.mark.parametrize(
