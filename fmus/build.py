@@ -21,10 +21,12 @@ from .errors import BuildError
 from .load import load_block
 from .model import Model, model_of
 from .sources import block_sources
-from .tracing import Trace, TracingError, trace
+from .tracing import Trace, trace
 from .units import UnitError, unit
+from .untraceable import TracingError
 
 Target: TypeAlias = Literal["python", "native"]
+Traced: TypeAlias = Trace | TracingError  # of a block that can be traced, and of one that cannot
 TOOLS = ("sightline", "casadi", "pythonfmu", "fmpy")  # whose versions show in an FMU
 
 
@@ -42,37 +44,66 @@ def build(
     platforms: Sequence[str] | None = None,
     out: Path | None = None,
     begun: Callable[[], None] = lambda: None,
+    note: Callable[[str], None] = lambda text: None,
 ) -> Path:
     """The path of the block's FMU, built if the cache does not hold it.
 
     ``component``: a block's name or ``file.py:Class``. ``target``: None takes native where a C
-    compiler is found and the block can be traced, else python. ``platforms``: of a native FMU,
-    None for this machine's. ``out``: a folder that gets a copy named after the block; None leaves
-    the FMU in the cache. ``begun`` is called if it is really built. Raises BuildError with every
-    reason.
+    compiler is found and the block can be traced, or ``fmi`` or ``platforms`` ask for it, else
+    python. ``platforms``: of a native FMU, None for this machine's. ``out``: a folder that gets a
+    copy named after the block; None leaves the FMU in the cache. ``begun`` is called if it is
+    really built, ``note`` with the reason if the FMU is a Python one although there is a compiler.
+    Raises BuildError with every reason.
     """
     block = load_block(component, structure)
-    chosen = target or _default_target(block)
-    if chosen == "python" and fmi != 2:
+    if target == "python" and fmi != 2:
         raise BuildError(component, ["a Python FMU is FMI 2.0; FMI 3.0 needs --target native"])
-    if chosen == "python" and platforms:
+    if target == "python" and platforms:
         raise BuildError(component, ["a Python FMU takes no platform, it runs on Python"])
-    key = _key(block, chosen, fmi, platforms)
-    cached = cache_folder() / f"{block.name}-{key}.fmu"
+    traced: Traced | None = None
+    if target is None and (fmi != 2 or platforms):
+        target = "native"
+    elif target is None:
+        target, traced = _default_target(block)
+    if isinstance(traced, TracingError):
+        note(f"{block.name} runs as a Python FMU, slower: {traced.reason}")
+    cached = _cached(block, target, fmi, platforms)
     if not cached.is_file():
         begun()
-        _build(component, block, chosen, fmi, platforms, cached)
+        model = describe(component, block, target, traced)
+        _write(model, target, fmi, platforms, cached)
     if out is None:
         return cached
     out.mkdir(parents=True, exist_ok=True)
     return Path(shutil.copyfile(cached, out / f"{block.name}.fmu"))
 
 
-def _build(
-    component: str, block: Component, target: Target, fmi: Literal[2, 3],
-    platforms: Sequence[str] | None, path: Path,
-) -> None:  # fmt: skip
-    model = describe(component, block, target)
+def describe(
+    component: str, block: Component, target: Target, traced: Traced | None = None
+) -> Model:
+    """The interface of the block's FMU. Raises BuildError for unknown units or, native, tracing.
+
+    ``traced``: what tracing the block gave, if it is known.
+    """
+    problems = []
+    for name, quantity in block.quantities.items():
+        try:
+            unit(str(quantity.unit))
+        except UnitError as error:
+            problems.append(f"{block.name}.{name}: {error}")
+    traced = traced or _traced(block)
+    if isinstance(traced, TracingError) and target == "native":
+        problems.append(str(traced))
+    if problems:
+        raise BuildError(component, problems)
+    return model_of(
+        block, traced if isinstance(traced, Trace) else None, derivatives=target == "native"
+    )
+
+
+def _write(
+    model: Model, target: Target, fmi: Literal[2, 3], platforms: Sequence[str] | None, path: Path
+) -> None:
     if target == "python":
         from .python.target import build_python
 
@@ -83,35 +114,29 @@ def _build(
         build_native(model, fmi=fmi, platforms=platforms, out=path)
 
 
-def describe(component: str, block: Component, target: Target) -> Model:
-    """The interface of the block's FMU. Raises BuildError for unknown units or, native, tracing."""
-    problems = []
-    for name, quantity in block.quantities.items():
-        try:
-            unit(str(quantity.unit))
-        except UnitError as error:
-            problems.append(f"{block.name}.{name}: {error}")
-    traced: Trace | None = None
+def _traced(block: Component) -> Traced:
     try:
-        traced = trace(block)
+        return trace(block)
     except TracingError as error:
-        if target == "native":
-            problems.append(str(error))
-    if problems:
-        raise BuildError(component, problems)
-    return model_of(block, traced, derivatives=target == "native")
+        return error
 
 
-def _default_target(block: Component) -> Target:
+def _default_target(block: Component) -> tuple[Target, Traced | None]:
+    """The target that nobody chose, and what tracing gave if that decided."""
     from .native.target import compiler_available
 
     if not compiler_available():
-        return "python"
-    try:
-        trace(block)
-    except TracingError:
-        return "python"
-    return "native"
+        return "python", None
+    if _cached(block, "native", 2, None).is_file():
+        return "native", None
+    traced = _traced(block)
+    return "python" if isinstance(traced, TracingError) else "native", traced
+
+
+def _cached(
+    block: Component, target: Target, fmi: int, platforms: Sequence[str] | None
+) -> Path:
+    return cache_folder() / f"{block.name}-{_key(block, target, fmi, platforms)}.fmu"
 
 
 def _key(

@@ -17,12 +17,18 @@ def traced_loop(step: Callable[[Any, Any], Any], count: int, given: Any, values:
         return values
     known = ca.SX.sym("given", _pack(given, symbolic_only=True).numel())
     state = ca.SX.sym("values", _pack(values).numel())
-    after = step(_unpack(known, given, symbolic_only=True), _unpack(state, values))
-    body = ca.Function("loop", [known, state], [_pack(after)], {"never_inline": True})
+    after = _pack(step(_unpack(known, given, symbolic_only=True), _unpack(state, values)))
+    if foreign := _names(after) - _names(known) - _names(state):
+        raise ValueError(f"its step uses {', '.join(sorted(foreign))}, which it is not given")
+    body = ca.Function("loop", [known, state], [after], {"never_inline": True})
     known, state = _pack(given, symbolic_only=True), _pack(values)
     for _ in range(count):
         state = body(known, state)
     return _unpack(state, values)
+
+
+def _names(expression: ca.SX) -> set[str]:
+    return {symbol.name() for symbol in ca.symvar(expression)}
 
 
 def _is_symbolic(leaf: Any) -> bool:

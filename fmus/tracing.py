@@ -7,9 +7,7 @@ declaration (row-major): time t, inputs u, parameters p, states x, discrete stat
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,8 +23,8 @@ from ..components.declarations import (
     Parameter,
     State,
 )
-from ..components.loops import LOOP
-from .loops import traced_loop
+from .traced_arrays import numpy_mode
+from .untraceable import changing, untraceable
 
 GROUPS: dict[str, type] = {
     "u": Input, "p": Parameter, "x": State, "d": DiscreteState, "w": Noise,
@@ -35,18 +33,6 @@ ARGUMENTS = ("t", *GROUPS)
 RESULTS: dict[str, type] = {
     "derivatives": State, "outputs": Output, "update": DiscreteState, "project": State,
 }  # fmt: skip
-
-_mode_lock = threading.Lock()
-
-
-class TracingError(Exception):
-    """An equation cannot be traced: it uses more than array operations with a fixed path."""
-
-    def __init__(self, component: str, equation: str, reason: str) -> None:
-        super().__init__(
-            f"{component}.{equation} cannot become native code: {reason}; use numpy operations "
-            "without branches on values (np.where instead of if), or build with --target python"
-        )
 
 
 @dataclass(frozen=True)
@@ -72,41 +58,65 @@ class Trace:
 
 
 def trace(block: Component) -> Trace:
-    """Trace every equation of a block. Raises TracingError where it is not traceable."""
+    """Trace every equation of a block. Raises TracingError where it is not traceable.
+
+    All equations are traced twice: what differs comes from elsewhere than their arguments.
+    """
     values, groups = _symbols(block)
-    functions: dict[str, ca.Function] = {}
-    messages: tuple[str, ...] = ()
-    for equation in (*RESULTS, "requirements"):
-        if not block.has(equation):
-            continue
-        with numpy_mode():
-            try:
-                result = block.evaluate(equation, values)
-                flat = {n: _flat(v) for n, v in result.items()}
-            except Exception as error:
-                reason = str(error).strip().splitlines() or [type(error).__name__]
-                raise TracingError(block.name, equation, reason[-1]) from error
-        if equation == "requirements":
-            messages, parts = tuple(flat), list(flat.values())
-        else:
-            kept = {n: _flat(values[n]) for n in block.expected(equation) if n not in flat}
-            parts = [(flat | kept)[n] for n in block.expected(equation)]
-        functions[equation] = ca.Function(equation, groups, [ca.vertcat(*parts)])
+    first, second = _round(block, values, groups), _round(block, values, groups)
+    for equation, results in first.items():
+        if results.function.serialize() != second[equation].function.serialize():
+            raise changing(block, equation, _differing(groups, results, second[equation]))
+    functions = {n: r.function for n, r in first.items()}
+    messages = tuple(first["requirements"].parts) if "requirements" in first else ()
     return Trace(block, functions, messages)
 
 
-@contextmanager
-def numpy_mode() -> Iterator[None]:
-    """CasADi's numpy mode, which is global to the process, for the length of a block."""
-    with _mode_lock:
-        before = ca.GlobalOptions.getNumpyMode()
-        ca.GlobalOptions.setNumpyMode(1)
-        loop = LOOP.set(traced_loop)
-        try:
-            yield
-        finally:
-            LOOP.reset(loop)
-            ca.GlobalOptions.setNumpyMode(before)
+@dataclass(frozen=True)
+class _Results:
+    """Results of one equation: flat by name, and all in one function of the groups."""
+
+    parts: dict[str, ca.SX]
+    function: ca.Function
+
+
+def _round(
+    block: Component, values: Mapping[str, Any], groups: list[ca.SX]
+) -> dict[str, _Results]:
+    """Every equation traced once."""
+    found = {}
+    with numpy_mode():
+        for equation in (e for e in (*RESULTS, "requirements") if block.has(e)):
+            try:
+                parts = _parts(block, equation, values)
+                function = ca.Function(equation, groups, [ca.vertcat(*parts.values())])
+            except Exception as error:
+                raise untraceable(block, equation, error) from error
+            found[equation] = _Results(parts, function)
+    return found
+
+
+def _parts(block: Component, equation: str, values: Mapping[str, Any]) -> dict[str, ca.SX]:
+    """An equation's results by name; the states that it leaves alone as they are."""
+    result = {n: _flat(v) for n, v in block.evaluate(equation, values).items()}
+    if equation == "requirements":
+        return result
+    expected = block.expected(equation)
+    for name, part in result.items():
+        if part.numel() != expected[name].size:
+            raise ValueError(f"{name} has {part.numel()} elements, not {expected[name].size}")
+    return {n: result[n] if n in result else _flat(values[n]) for n in expected}
+
+
+def _differing(groups: list[ca.SX], first: _Results, second: _Results) -> list[str]:
+    """Names of the results of which two traces differ."""
+
+    def content(results: _Results, name: str) -> object:
+        part = results.parts.get(name)
+        return part if part is None else ca.Function("part", groups, [part]).serialize()
+
+    names = first.parts | second.parts
+    return [n for n in names if content(first, n) != content(second, n)]
 
 
 def _symbols(block: Component) -> tuple[dict[str, Any], list[ca.SX]]:

@@ -25,13 +25,20 @@ def build_all(loaded: Loaded, say: Say) -> tuple[dict[str, Path], list[Problem]]
     files: dict[str, Path] = {}
     problems: list[Problem] = []
     known: dict[tuple[object, ...], Path | tuple[str, ...]] = {}
+    notes: set[str] = set()
+
+    def note(text: str) -> None:
+        if text not in notes:
+            notes.add(text)
+            say(f"note: {text}")
+
     for name, instance in loaded.config.instances.items():
         if instance.builds is None:
             continue
         component = component_name(instance.builds, loaded.folder)
         key = (component, tuple(sorted(instance.structure.items())), instance.target)
         if key not in known:
-            known[key] = _build(component, instance, say)
+            known[key] = _build(component, instance, say, note)
         built = known[key]
         if isinstance(built, Path):
             files[name] = built
@@ -43,7 +50,7 @@ def build_all(loaded: Loaded, say: Say) -> tuple[dict[str, Path], list[Problem]]
     return files, problems
 
 
-def _build(component: str, instance: Instance, say: Say) -> Path | tuple[str, ...]:
+def _build(component: str, instance: Instance, say: Say, note: Say) -> Path | tuple[str, ...]:
     from ..fmus.build import build
     from ..fmus.errors import BuildError
 
@@ -52,7 +59,8 @@ def _build(component: str, instance: Instance, say: Say) -> Path | tuple[str, ..
 
     try:
         return build(
-            component, structure=instance.structure, target=instance.target, begun=begun
+            component, structure=instance.structure, target=instance.target, begun=begun,
+            note=note,
         )
     except BuildError as error:
         return tuple(error.problems)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Iterable, Sequence
+import sys
+import textwrap
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.console import Console
-from rich.table import Table
 
 from ..exit_codes import DONE, FAILED, MISUSED
 
@@ -18,6 +19,11 @@ if TYPE_CHECKING:
     from ...components.component import Component
 
 NUMBER = re.compile(r"[0-9]{1,9}")
+SHORT = 18  # letters of a start value in a table; longer ones are told below their row
+LEAST = 24  # letters of a line of the last column
+INDENT = "    "
+MANY = 12  # elements; of more, the first and last rows are told
+SMALL, LARGE = 1e-4, 1e7  # numbers outside of these have an exponent
 
 
 def list_blocks() -> None:
@@ -78,7 +84,11 @@ def build(
         what = f"--target {wrong[0]}: choose python or native" if wrong else usage
         errors.print(what, markup=False)
         return MISUSED
-    asked: dict[str, Any] = {"target": target, "fmi": fmi, "structure": sizes}
+
+    def note(text: str) -> None:
+        errors.print(f"note: {text}", markup=False)
+
+    asked: dict[str, Any] = {"target": target, "fmi": fmi, "structure": sizes, "note": note}
     if platforms:
         asked["platforms"] = [p.strip() for p in platforms.split(",")]
     code = DONE
@@ -101,13 +111,14 @@ def _sizes(structure: Sequence[str]) -> dict[str, int] | None:
 
 
 def _structure(console: Console, block: Component) -> None:
-    if not block.structures:
-        return
-    table = _table("structure", "default", "least", "what")
-    for name, structure in block.structures.items():
-        table.add_row(name, str(structure.default), str(structure.min), structure.doc)
-    console.print()
-    console.print(table)
+    if block.structures:
+        found = block.structures.values()
+        _table(console, {
+            "structure": list(block.structures),
+            "default": [str(s.default) for s in found],
+            "least": [str(s.min) for s in found],
+            "what": [s.doc for s in found],
+        })  # fmt: skip
 
 
 def _quantities(
@@ -123,26 +134,44 @@ def _quantities(
     }
     if any(q.frame for q in quantities):
         columns["frame"] = [q.frame or "" for q in quantities]
+    starts = [_value(q.value) if started else "" for q in quantities]
     if started:
-        columns["start"] = [_value(q.value) for q in quantities]
+        columns["start"] = [s if len(s) <= SHORT else "below" for s in starts]
     columns["what"] = [q.doc for q in quantities]
-    table = _table(*columns)
-    for row in zip(*columns.values(), strict=True):
-        table.add_row(*row)
+    _table(console, columns, ["" if len(s) <= SHORT else s for s in starts])
+
+
+def _table(
+    console: Console, columns: Mapping[str, Sequence[str]], below: Sequence[str] = ()
+) -> None:
+    """Print columns, of which the last one wraps; ``below``: what is told below each row."""
+    *heads, last = columns
+    widths = [max(map(len, (head, *columns[head]))) + 2 for head in heads]
+    room = max(console.width - sum(widths), LEAST)
+
+    def line(cells: Sequence[str]) -> str:
+        return "".join(f"{cell:<{width}}" for cell, width in zip(cells, widths, strict=True))
+
     console.print()
-    console.print(table)
-
-
-def _table(*heads: str) -> Table:
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for number, head in enumerate(heads):
-        table.add_column(head, no_wrap=number == 0)
-    return table
+    console.print(f"{line(heads)}{last}", style="bold", markup=False, soft_wrap=True)
+    for row, (*cells, text) in enumerate(zip(*columns.values(), strict=True)):
+        first, *others = textwrap.wrap(text, room) or [""]
+        lines = [line(cells) + first, *(" " * sum(widths) + other for other in others)]
+        lines += textwrap.indent(below[row], INDENT).splitlines() if below else []
+        console.print("\n".join(x.rstrip() for x in lines), markup=False, soft_wrap=True)
 
 
 def _value(value: Any) -> str:
-    if value.size == 1:
-        return f"{value.flat[0]:g}"
+    """A start value with all of its digits, a line for each row of a matrix."""
     if value.size and np.all(value == value.flat[0]):
-        return f"all {value.flat[0]:g}"
-    return np.array2string(value, separator=" ", precision=6, threshold=12)
+        return f"{'' if value.size == 1 else 'all '}{_number(value.flat[0])}"
+    return np.array2string(
+        value, separator=" ", threshold=MANY, formatter={"all": _number}, max_line_width=sys.maxsize
+    )
+
+
+def _number(value: Any) -> str:
+    """The shortest text that gives the same number."""
+    if value == 0 or SMALL <= abs(value) < LARGE:
+        return np.format_float_positional(value, trim="-")
+    return np.format_float_scientific(value, trim="-", exp_digits=1)
