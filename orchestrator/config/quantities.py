@@ -49,7 +49,8 @@ def _conversion(port: Port, name: str) -> Conversion:
     try:
         given = unit_of(name)
     except UnitError as error:
-        raise Refused(str(error), nearest(name, USUAL, "for example")) from None
+        remedy = "" if error.meant else nearest(name, USUAL, "for example")
+        raise Refused(str(error), remedy) from None
     try:
         declared = defined(port.unit)
     except UnitError:
@@ -61,7 +62,8 @@ def _conversion(port: Port, name: str) -> Conversion:
         what = f"is given in {name} ({given.dimension}), {port.name} is in {port.unit}"
         if declared.dimension != port.unit.name:
             what += f" ({declared.dimension})"
-        raise Refused(what, f"give it in {' or '.join(fits)}")
+        plain = not any(declared.exponents or ())
+        raise Refused(what, "give the plain value" if plain else f"give it in {' or '.join(fits)}")
     return passes
 
 

@@ -72,3 +72,36 @@ def test_celsius_starts_at_its_own_zero() -> None:
 def test_what_is_no_unit_is_named(name: str) -> None:
     with pytest.raises(UnitError, match=re.escape(f"{name!r} is not a unit")):
         unit(name)
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [
+        ("Nm", "N.m"), ("Nms", "N.m.s"), ("mNm", "mN.m"), ("Nmm", "N.mm"), ("Ns", "N.s"),
+        ("kgm2", "kg.m2"), ("kgm2/s", "kg.m2/s"), ("Am2", "A.m2"), ("rads", "rad/s"),
+        ("degs", "deg/s"), ("ms2", "m/s2"), ("ms-2", "m/s2"), ("ms-1", "m/s"), ("ms^2", "m/s2"),
+    ],
+)  # fmt: skip
+def test_symbols_run_together_are_refused_with_what_was_meant(name: str, meant: str) -> None:
+    with pytest.raises(UnitError, match=rf"is not a unit: .*; did you mean {meant}\?$"):
+        unit(name)
+
+
+@pytest.mark.parametrize("name", ["c", "e", "parsec", "dB", "mph", "radps"])
+def test_what_this_field_does_not_measure_in_is_no_unit(name: str) -> None:
+    with pytest.raises(UnitError, match=rf"^'{name}' is not a unit: {name} is not known$"):
+        unit(name)
+
+
+@pytest.mark.parametrize(
+    ("name", "factor", "base"),
+    [
+        ("m/s/s", 1.0, "m/s2"), ("deg/sec", math.pi / 180, "rad/s"), ("mrad", 1e-3, "rad"),
+        ("rpm", 2 * math.pi / 60, "rad/s"), ("arcsec", math.pi / 648000, "rad"),
+        ("km", 1000.0, "m"), ("um", 1e-6, "m"), ("µm", 1e-6, "m"), ("ms", 1e-3, "s"),
+        ("degrees", math.pi / 180, "rad"), ("m/ms2", 1e6, "m/s2"), ("N*m", 1.0, "N.m"),
+    ],
+)  # fmt: skip
+def test_usual_spellings_mean_what_they_say(name: str, factor: float, base: str) -> None:
+    assert unit(name).powers == unit(base).powers
+    assert unit(name).factor == pytest.approx(factor, rel=1e-15)

@@ -139,12 +139,16 @@ def test_template_gives_its_copies_values_in_units(
         ('height = { value = 3, unit = "kg.m2" }',
          "is given in kg.m2 (kg.m2), height is in km (m); give it in km or mm"),
         ('bias = { value = [1, 2, 3], unit = "dge/h" }',
-         "'dge/h' is not a unit: 'dge' is not defined in the unit registry; "
+         "'dge/h' is not a unit: dge is not known; "
          "did you mean deg/h or deg/s or deg/sqrt(h)?"),
         ('height = { value = 3, unit = "parsnips" }',
-         "'parsnips' is not a unit: 'parsnips' is not defined in the unit registry; "
+         "'parsnips' is not a unit: parsnips is not known; "
          "for example: arcsec, arcsec/sqrt(Hz), deg, deg/h, deg/h/sqrt(h), deg/s, deg/sqrt(h), "
          "g, …"),
+        ('bias = { value = [1, 2, 3], unit = "degs" }',
+         "'degs' is not a unit: degs is not known; did you mean deg/s?"),
+        ('scale = { value = 3, unit = "rad" }',
+         "is given in rad (rad), scale is in 1; give the plain value"),
         ('height = { value = 11000, unit = "m" }',
          "height is 11, above the maximum 10 km, given as 11000 m"),
         ('height = { value = "high", unit = "m" }', "height is 'high', not a real"),
