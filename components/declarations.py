@@ -31,7 +31,9 @@ class Quantity:
     """A declared quantity. ``shape``: ``()``, ``3``, ``(3, 3)`` or with names of the structure.
 
     ``start`` is a number (fills the shape), an array, or a function of the structure's integers,
-    received by name. ``frame`` names the role of the frame in which components are given.
+    received by name. ``frame`` names the role of the frame in which components are given, such as
+    ``inertial`` or ``body``. Of an attitude it says whose attitude it is: the numbers are the
+    rotation from that frame to inertial. Where each row is of another craft, so is its frame.
     """
 
     shape: Shape = ()
@@ -100,7 +102,13 @@ def call_by_name(function: Callable[..., Any], values: Mapping[str, Any]) -> Any
 
 @dataclass(frozen=True)
 class Input(Quantity):
-    """An input port; unconnected, it keeps ``start``."""
+    """An input port; unconnected, it keeps ``start``.
+
+    ``optional``: that nothing drives it is nothing unusual, as of a disturbance or a feedforward.
+    """
+
+    _: KW_ONLY
+    optional: bool = False
 
 
 @dataclass(frozen=True)

@@ -101,11 +101,19 @@ def _scalar(model: Model, variable: Variable, element: int) -> ET.Element:
         typed.set("derivative", str(model.by_name[variable.of].references[element]))
     if variable.start is not None:
         typed.set("start", number(variable, np.ravel(variable.start)[element]))
-    if variable.frame:
+    if variable.frame or variable.optional:
         annotations = ET.SubElement(node, "Annotations")
-        tool = ET.SubElement(annotations, "Tool", name=VENDOR)
-        ET.SubElement(tool, "Frame").text = variable.frame
+        annotate(ET.SubElement(annotations, "Tool", name=VENDOR), variable)
     return node
+
+
+def annotate(note: ET.Element, variable: Variable) -> None:
+    """Put what FMI has no attribute for into an annotation, the same in both versions."""
+    port = ET.SubElement(note, "Port")
+    if variable.frame:
+        port.set("frame", variable.frame)
+    if variable.optional:
+        port.set("optional", "true")
 
 
 def fmi_role(variable: Variable) -> tuple[str, str, str | None]:

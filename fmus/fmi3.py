@@ -9,7 +9,7 @@ from importlib.metadata import version
 import numpy as np
 
 from ..components.catalogue import summary
-from .fmi2 import LOG_CATEGORIES, VENDOR, Attributes, fmi_role, number, value_attributes
+from .fmi2 import LOG_CATEGORIES, VENDOR, Attributes, annotate, fmi_role, number, value_attributes
 from .fmi2 import _units as add_units
 from .model import SOLVERS, Model, Variable
 
@@ -88,8 +88,8 @@ def _variable(model: Model, variable: Variable) -> ET.Element:
     if variable.type == "boolean":
         limits = {}
     node = ET.Element(TYPES[variable.type], attributes | limits)
-    if variable.frame:
-        ET.SubElement(_annotation(node), "Frame").text = variable.frame
+    if variable.frame or variable.optional:
+        annotate(_annotation(node), variable)
     for size in variable.shape:
         ET.SubElement(node, "Dimension", start=str(size))
     return node

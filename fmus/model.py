@@ -60,6 +60,7 @@ class Variable:
     nominal: float | None = None
     tunable: bool = False
     is_output: bool = False
+    optional: bool = False  # an input that may well be driven by nothing
     of: str = ""  # the state that a derivative belongs to
 
     @property
@@ -177,6 +178,8 @@ def model_of(block: Component, trace: Trace | None, *, derivatives: bool) -> Mod
     for declared, kind in KIND_OF.items():
         for quantity in block.of_type(declared).values():
             more: dict[str, object] = {}
+            if isinstance(quantity, Input):
+                more["optional"] = quantity.optional
             if isinstance(quantity, Parameter):
                 more["tunable"] = quantity.tunable
             if isinstance(quantity, State | DiscreteState):

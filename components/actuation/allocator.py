@@ -29,7 +29,8 @@ class Allocator(Component):
     thrusters = Structure(12, min=6, doc="number of thrusters")
     force = Input(3, "N", frame="body", doc="wanted force")
     torque = Input(3, "N.m", frame="body", doc="wanted torque about the centre of mass")
-    healthy = Input("thrusters", "1", 1.0, type="boolean", doc="thrusters that may be used")
+    healthy = Input("thrusters", "1", 1.0, type="boolean", optional=True,
+                    doc="thrusters that may be used")
     positions = Parameter(("thrusters", 3), "m", default_positions, frame="body",
                           doc="where each thruster pushes")
     directions = Parameter(("thrusters", 3), "1", default_directions, frame="body",

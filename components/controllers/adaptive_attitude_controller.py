@@ -25,11 +25,14 @@ class AdaptiveAttitudeController(Component):
 
     default_solver_step = 1.0  # s
 
-    attitude = Input(4, "1", IDENTITY, doc="own attitude, body to inertial, scalar last")
+    attitude = Input(4, "1", IDENTITY, frame="body",
+                     doc="own attitude, body to inertial, scalar last")
     angular_velocity = Input(3, "rad/s", frame="body", doc="ω, own angular velocity")
-    desired_attitude = Input(4, "1", IDENTITY, doc="q_d, desired body to inertial, scalar last")
-    desired_angular_velocity = Input(3, "rad/s", frame="desired_body", doc="ω_d")
-    desired_angular_acceleration = Input(3, "rad/s2", frame="desired_body", doc="rate of ω_d")
+    desired_attitude = Input(4, "1", IDENTITY, frame="desired_body",
+                             doc="q_d, desired body to inertial, scalar last")
+    desired_angular_velocity = Input(3, "rad/s", frame="desired_body", optional=True, doc="ω_d")
+    desired_angular_acceleration = Input(3, "rad/s2", frame="desired_body", optional=True,
+                                         doc="rate of ω_d")
     torque = Output(3, "N.m", frame="body", doc="control torque")
     error_gain = Parameter((), "rad/s", 0.02, min=0.0, doc="Λ_R, weighs ε̃ in s_R")
     metric_gain = Parameter((), "N.m.s/rad", 8.0, min=0.0, doc="K_R, damps s_R")

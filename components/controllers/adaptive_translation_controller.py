@@ -31,10 +31,13 @@ class AdaptiveTranslationController(Component):
     relative_position = Input(3, "m", frame="inertial", doc="x, from the leader")
     relative_velocity = Input(3, "m/s", frame="inertial", doc="velocity less the leader's")
     desired_position = Input(3, "m", frame="inertial", doc="x_d")
-    desired_velocity = Input(3, "m/s", frame="inertial", doc="rate of x_d")
-    desired_acceleration = Input(3, "m/s2", frame="inertial", doc="second rate of x_d")
-    attitude = Input(4, "1", IDENTITY, doc="own attitude, body to inertial, scalar last")
-    angular_velocity = Input(3, "rad/s", frame="body", doc="own; used with hold_time only")
+    desired_velocity = Input(3, "m/s", frame="inertial", optional=True, doc="rate of x_d")
+    desired_acceleration = Input(3, "m/s2", frame="inertial", optional=True,
+                                 doc="second rate of x_d")
+    attitude = Input(4, "1", IDENTITY, frame="body",
+                     doc="own attitude, body to inertial, scalar last")
+    angular_velocity = Input(3, "rad/s", frame="body", optional=True,
+                             doc="own; used with hold_time only")
     force = Output(3, "N", frame="body", doc="control force")
     acceleration = Output(3, "m/s2", frame="inertial", doc="u, wanted control acceleration")
     mass = Parameter((), "kg", 1.0, min=1e-9, doc="own mass, as estimated")

@@ -25,11 +25,12 @@ class AttitudeConsensusController(Component):
     """
 
     neighbours = Structure(1, doc="number of neighbours")
-    attitude = Input(4, "1", IDENTITY, doc="own attitude, body to inertial, scalar last")
+    attitude = Input(4, "1", IDENTITY, frame="body",
+                     doc="own attitude, body to inertial, scalar last")
     angular_velocity = Input(3, "rad/s", frame="body", doc="own angular velocity")
     neighbour_attitudes = Input(("neighbours", 4), "1", lambda neighbours: [IDENTITY] * neighbours,
-                                doc="a neighbour's attitude in each row")
-    neighbour_angular_velocities = Input(("neighbours", 3), "rad/s",
+                                frame="neighbour_body", doc="a neighbour's attitude in each row")
+    neighbour_angular_velocities = Input(("neighbours", 3), "rad/s", frame="neighbour_body",
                                          doc="a neighbour's angular velocity in each row, in its "
                                              "own body frame")
     torque = Output(3, "N.m", frame="body", doc="control torque")

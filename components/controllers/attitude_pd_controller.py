@@ -18,10 +18,11 @@ class AttitudePdController(Component):
     8 (1985).
     """
 
-    attitude = Input(4, "1", IDENTITY, doc="own attitude, body to inertial, scalar last")
+    attitude = Input(4, "1", IDENTITY, frame="body",
+                     doc="own attitude, body to inertial, scalar last")
     angular_velocity = Input(3, "rad/s", frame="body", doc="own angular velocity")
-    desired_attitude = Input(4, "1", IDENTITY, doc="wanted attitude")
-    desired_angular_velocity = Input(3, "rad/s", frame="desired_body",
+    desired_attitude = Input(4, "1", IDENTITY, frame="desired_body", doc="wanted attitude")
+    desired_angular_velocity = Input(3, "rad/s", frame="desired_body", optional=True,
                                      doc="wanted angular velocity, in the wanted body frame")
     torque = Output(3, "N.m", frame="body", doc="control torque")
     attitude_error = Output(3, "rad", frame="body", doc="2 q̃, rotation vector of a small error")

@@ -15,10 +15,11 @@ class PositionPdController(Component):
 
     position = Input(3, "m", frame="inertial", doc="own centre of mass")
     velocity = Input(3, "m/s", frame="inertial", doc="own velocity")
-    attitude = Input(4, "1", IDENTITY, doc="own attitude, body to inertial, scalar last")
+    attitude = Input(4, "1", IDENTITY, frame="body",
+                     doc="own attitude, body to inertial, scalar last")
     desired_position = Input(3, "m", frame="inertial", doc="r_d")
-    desired_velocity = Input(3, "m/s", frame="inertial", doc="v_d")
-    desired_acceleration = Input(3, "m/s2", frame="inertial", doc="a_d")
+    desired_velocity = Input(3, "m/s", frame="inertial", optional=True, doc="v_d")
+    desired_acceleration = Input(3, "m/s2", frame="inertial", optional=True, doc="a_d")
     force = Output(3, "N", frame="body", doc="control force")
     mass = Parameter((), "kg", 1.0, min=1e-9, doc="own mass")
     position_gain = Parameter((), "1/s2", 0.01, min=0.0, doc="kp")

@@ -24,8 +24,8 @@ class DepletingRigidBody(Component):
 
     force = Input(3, "N", frame="body", doc="control force")
     torque = Input(3, "N.m", frame="body", doc="control torque about the centre of mass")
-    disturbance_force = Input(3, "N", frame="inertial", doc="disturbance force")
-    disturbance_torque = Input(3, "N.m", frame="body", doc="disturbance torque")
+    disturbance_force = Input(3, "N", frame="inertial", optional=True, doc="disturbance force")
+    disturbance_torque = Input(3, "N.m", frame="body", optional=True, doc="disturbance torque")
     mass_flow = Input((), "kg/s", doc="propellant used per second")
     dry_mass = Parameter((), "kg", 1.0, min=1e-9, doc="mass without propellant")
     full_propellant = Parameter((), "kg", 1.0, min=1e-9, doc="propellant at which J is J_full")
@@ -33,7 +33,8 @@ class DepletingRigidBody(Component):
     full_inertia = Parameter((3, 3), "kg.m2", np.eye(3), frame="body", doc="J_full")
     position = State(3, "m", frame="inertial", output=True, doc="centre of mass")
     velocity = State(3, "m/s", frame="inertial", output=True, doc="velocity")
-    attitude = State(4, "1", IDENTITY, output=True, doc="body to inertial, scalar last")
+    attitude = State(4, "1", IDENTITY, frame="body", output=True,
+                     doc="body to inertial, scalar last")
     angular_velocity = State(3, "rad/s", frame="body", output=True, doc="angular velocity")
     propellant = State((), "kg", 1.0, output=True, doc="propellant left")
     mass = Output((), "kg", doc="m")

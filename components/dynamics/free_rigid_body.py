@@ -24,13 +24,14 @@ class FreeRigidBody(Component):
 
     force = Input(3, "N", frame="body", doc="control force")
     torque = Input(3, "N.m", frame="body", doc="control torque about the centre of mass")
-    disturbance_force = Input(3, "N", frame="inertial", doc="disturbance force")
-    disturbance_torque = Input(3, "N.m", frame="body", doc="disturbance torque")
+    disturbance_force = Input(3, "N", frame="inertial", optional=True, doc="disturbance force")
+    disturbance_torque = Input(3, "N.m", frame="body", optional=True, doc="disturbance torque")
     mass = Parameter((), "kg", 1.0, min=1e-9, doc="mass")
     inertia = Parameter((3, 3), "kg.m2", np.eye(3), frame="body", doc="inertia matrix")
     position = State(3, "m", frame="inertial", output=True, doc="centre of mass")
     velocity = State(3, "m/s", frame="inertial", output=True, doc="velocity")
-    attitude = State(4, "1", IDENTITY, output=True, doc="attitude, body to inertial, scalar last")
+    attitude = State(4, "1", IDENTITY, frame="body", output=True,
+                     doc="attitude, body to inertial, scalar last")
     angular_velocity = State(3, "rad/s", frame="body", output=True, doc="angular velocity")
 
     def derivatives(self, velocity, attitude, angular_velocity, force, torque,

@@ -26,7 +26,7 @@ class RelativeOrbit(_PlanetEnvironment):
     chief_velocity = Input(3, "m/s", (0.0, START_SPEED, 0.0), frame="inertial",
                            doc="chief's velocity")
     chief_control_acceleration = Input(3, "m/s2", frame="inertial",
-                                       doc="chief's acceleration by its own thrust")
+                                       optional=True, doc="chief's acceleration by its own thrust")
     force = Input(3, "N", frame="inertial", doc="control force")
     position = Output(3, "m", frame="inertial", doc="centre of mass from the planet's centre")
     velocity = Output(3, "m/s", frame="inertial", doc="velocity")

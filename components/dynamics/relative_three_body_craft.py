@@ -27,7 +27,7 @@ class RelativeThreeBodyCraft(_ThreeBodyEnvironment):
     leader_position = Input(3, "m", (L2, 0.0, 0.0), frame="inertial", doc="from the barycentre")
     leader_velocity = Input(3, "m/s", (0.0, L2 * MEAN_MOTION, 0.0), frame="inertial",
                             doc="leader's velocity")
-    leader_control_acceleration = Input(3, "m/s2", frame="inertial",
+    leader_control_acceleration = Input(3, "m/s2", frame="inertial", optional=True,
                                         doc="leader's acceleration by its own thrust")
     force = Input(3, "N", frame="body", doc="control force")
     torque = Input(3, "N.m", frame="body", doc="control torque about the centre of mass")
@@ -41,7 +41,8 @@ class RelativeThreeBodyCraft(_ThreeBodyEnvironment):
     relative_position = State(3, "m", frame="inertial", output=True, doc="x, from the leader")
     relative_velocity = State(3, "m/s", frame="inertial", output=True,
                               doc="velocity less the leader's")
-    attitude = State(4, "1", IDENTITY, output=True, doc="attitude, body to inertial, scalar last")
+    attitude = State(4, "1", IDENTITY, frame="body", output=True,
+                     doc="attitude, body to inertial, scalar last")
     angular_velocity = State(3, "rad/s", frame="body", output=True, doc="angular velocity")
 
     def derivatives(self, time, leader_position, leader_control_acceleration, force, torque,

@@ -23,7 +23,8 @@ class RelativeVelocityDifferentiator(Component):
     line_of_sight = Input(3, "1", (1.0, 0.0, 0.0), frame="body", doc="unit vector to the target")
     range = Input((), "m", 1.0, doc="distance to the target")
     angular_velocity = Input(3, "rad/s", frame="body", doc="own angular velocity")
-    valid = Input((), "1", 1.0, type="boolean", doc="whether there is a new measurement")
+    valid = Input((), "1", 1.0, type="boolean", optional=True,
+                  doc="whether there is a new measurement")
     relative_velocity = Output(3, "m/s", frame="body", doc="target's velocity minus own")
     filtered = DiscreteState(3, "m", frame="body", doc="z, low-passed relative position")
     velocity = DiscreteState(3, "m/s", frame="body", doc="the last relative velocity")

@@ -27,8 +27,10 @@ class RelativeVelocityKalmanFilter(Component):
     line_of_sight = Input(3, "1", (1.0, 0.0, 0.0), frame="body", doc="unit vector to the target")
     range = Input((), "m", 1.0, doc="distance to the target")
     angular_velocity = Input(3, "rad/s", frame="body", doc="own angular velocity")
-    acceleration = Input(3, "m/s2", frame="body", doc="target's acceleration minus own")
-    valid = Input((), "1", 1.0, type="boolean", doc="whether there is a new measurement")
+    acceleration = Input(3, "m/s2", frame="body", optional=True,
+                         doc="target's acceleration minus own")
+    valid = Input((), "1", 1.0, type="boolean", optional=True,
+                  doc="whether there is a new measurement")
     relative_velocity = Output(3, "m/s", frame="body", doc="target's velocity minus own")
     relative_position = Output(3, "m", frame="body", doc="from own craft to target")
     deviation = Output(6, "1", doc="standard deviations of position, m, and velocity, m/s")

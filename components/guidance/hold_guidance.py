@@ -20,11 +20,13 @@ class HoldGuidance(Component):
     desired_position = Output(3, "m", frame="reference", doc="x_d")
     desired_velocity = Output(3, "m/s", frame="reference", doc="zero")
     desired_acceleration = Output(3, "m/s2", frame="reference", doc="zero")
-    desired_attitude = Output(4, "1", IDENTITY, doc="q_d, desired body to inertial, scalar last")
+    desired_attitude = Output(4, "1", IDENTITY, frame="desired_body",
+                              doc="q_d, desired body to inertial, scalar last")
     desired_angular_velocity = Output(3, "rad/s", frame="desired_body", doc="zero")
     desired_angular_acceleration = Output(3, "rad/s2", frame="desired_body", doc="zero")
     position = Parameter(3, "m", frame="reference", tunable=True, doc="where to stay")
-    attitude = Parameter(4, "1", IDENTITY, tunable=True, doc="which attitude to keep")
+    attitude = Parameter(4, "1", IDENTITY, frame="desired_body", tunable=True,
+                         doc="which attitude to keep")
 
     def outputs(self, position, attitude):
         return {

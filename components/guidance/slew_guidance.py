@@ -25,10 +25,12 @@ class SlewGuidance(Component):
     Source: 6-DOF precision formation flying at L2 paper, section on simulation.
     """
 
-    desired_attitude = Output(4, "1", IDENTITY, doc="q_d, desired body to inertial, scalar last")
+    desired_attitude = Output(4, "1", IDENTITY, frame="desired_body",
+                              doc="q_d, desired body to inertial, scalar last")
     desired_angular_velocity = Output(3, "rad/s", frame="desired_body", doc="ω_d")
     desired_angular_acceleration = Output(3, "rad/s2", frame="desired_body", doc="rate of ω_d")
-    start_attitude = Parameter(4, "1", IDENTITY, doc="q_0, at the start, body to inertial")
+    start_attitude = Parameter(4, "1", IDENTITY, frame="desired_body",
+                               doc="q_0, at the start, body to inertial")
     axis = Parameter(3, "1", (0.0, 0.0, 1.0), frame="desired_body", doc="n, unit vector")
     angle = Parameter((), "rad", 0.0, doc="φ1, of the whole turn")
     start_time = start_time_parameter()

@@ -28,9 +28,9 @@ class AttitudeConsensusMonitor(Component):
     """
 
     craft = Structure(2, min=2, doc="number of spacecraft")
-    attitudes = Input(("craft", 4), "1", lambda craft: [IDENTITY] * craft,
+    attitudes = Input(("craft", 4), "1", lambda craft: [IDENTITY] * craft, frame="body",
                       doc="a craft's attitude in each row, body to inertial, scalar last")
-    angular_velocities = Input(("craft", 3), "rad/s",
+    angular_velocities = Input(("craft", 3), "rad/s", frame="body",
                                doc="a craft's angular velocity in each row, in its body frame")
     energy = Output((), "J", doc="H")
     energy_rate = Output((), "W", doc="H' by its formula under law (6)")

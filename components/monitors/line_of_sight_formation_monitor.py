@@ -22,12 +22,13 @@ class LineOfSightFormationMonitor(Component):
 
     position = Input(3, "m", frame="inertial", doc="first craft's centre of mass")
     velocity = Input(3, "m/s", frame="inertial", doc="first craft's velocity")
-    attitude = Input(4, "1", IDENTITY, doc="first craft's attitude, body to inertial")
+    attitude = Input(4, "1", IDENTITY, frame="body", doc="first craft's attitude, body to inertial")
     angular_velocity = Input(3, "rad/s", frame="body", doc="first craft's angular velocity")
     target_position = Input(3, "m", (1.0, 0.0, 0.0), frame="inertial",
                             doc="second craft's centre of mass")
     target_velocity = Input(3, "m/s", frame="inertial", doc="second craft's velocity")
-    target_attitude = Input(4, "1", IDENTITY, doc="second craft's attitude, body to inertial")
+    target_attitude = Input(4, "1", IDENTITY, frame="target_body",
+                            doc="second craft's attitude, body to inertial")
     target_angular_velocity = Input(3, "rad/s", frame="target_body",
                                     doc="second craft's angular velocity")
     alignment_error = Output((), "1", doc="Ψ1, from 0 (facing each other) to 2")

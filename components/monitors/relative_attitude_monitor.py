@@ -22,11 +22,12 @@ class RelativeAttitudeMonitor(Component):
     """
 
     position = Input(3, "m", frame="inertial", doc="first craft's centre of mass")
-    attitude = Input(4, "1", IDENTITY, doc="first craft's attitude, body to inertial")
+    attitude = Input(4, "1", IDENTITY, frame="body", doc="first craft's attitude, body to inertial")
     angular_velocity = Input(3, "rad/s", frame="body", doc="first craft's angular velocity")
     target_position = Input(3, "m", (1.0, 0.0, 0.0), frame="inertial",
                             doc="second craft's centre of mass")
-    target_attitude = Input(4, "1", IDENTITY, doc="second craft's attitude, body to inertial")
+    target_attitude = Input(4, "1", IDENTITY, frame="target_body",
+                            doc="second craft's attitude, body to inertial")
     target_angular_velocity = Input(3, "rad/s", frame="target_body",
                                     doc="second craft's angular velocity")
     object_position = Input(3, "m", (0.0, 1.0, 0.0), frame="inertial",

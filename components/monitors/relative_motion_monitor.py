@@ -22,7 +22,7 @@ class RelativeMotionMonitor(Component):
     position = Input(3, "m", frame="lvlh", doc="q, deputy's position")
     velocity = Input(3, "m/s", frame="lvlh", doc="q', deputy's velocity in the frame")
     desired_position = Input(3, "m", frame="lvlh", doc="q_d")
-    desired_velocity = Input(3, "m/s", frame="lvlh", doc="rate of q_d")
+    desired_velocity = Input(3, "m/s", frame="lvlh", optional=True, doc="rate of q_d")
     orbit_rate = Input((), "rad/s", doc="ω, chief's orbit rate")
     gravity_gradient = Input((), "1/s2", doc="k, the planet's μ by the cube of chief's radius")
     position_error = Output((), "m", doc="|e|")

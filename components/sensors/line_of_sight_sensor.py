@@ -26,7 +26,8 @@ class LineOfSightSensor(
     position = Input(3, "m", frame="inertial", doc="observer's centre of mass")
     target_position = Input(3, "m", (1.0, 0.0, 0.0), frame="inertial",
                             doc="observed centre of mass")
-    attitude = Input(4, "1", IDENTITY, doc="observer's attitude, body to inertial, scalar last")
+    attitude = Input(4, "1", IDENTITY, frame="body",
+                     doc="observer's attitude, body to inertial, scalar last")
     line_of_sight = Output(3, "1", (1.0, 0.0, 0.0), frame="body", doc="unit vector to the target")
     boresight = Parameter(3, "1", (1.0, 0.0, 0.0), frame="body", doc="middle of the field of view")
     field_of_view = Parameter((), "rad", EVERYWHERE, min=0.0, doc="half angle; π or more: all")

@@ -19,7 +19,8 @@ class RelativeVelocitySensor(Sensor, channels=[Channel("relative_velocity", fram
 
     velocity = Input(3, "m/s", frame="inertial", doc="observer's velocity")
     target_velocity = Input(3, "m/s", frame="inertial", doc="observed velocity")
-    attitude = Input(4, "1", IDENTITY, doc="observer's attitude, body to inertial, scalar last")
+    attitude = Input(4, "1", IDENTITY, frame="body",
+                     doc="observer's attitude, body to inertial, scalar last")
     relative_velocity = Output(3, "m/s", frame="body", doc="target's velocity minus observer's")
 
     def truth(self, velocity, target_velocity, attitude):

@@ -19,9 +19,11 @@ class StarTracker(
     Source: J. Crassidis, J. Junkins, Optimal Estimation of Dynamic Systems, ch. 7.
     """
 
-    attitude = Input(4, "1", IDENTITY, doc="true attitude, body to inertial, scalar last")
-    angular_velocity = Input(3, "rad/s", frame="body", doc="true angular velocity")
-    measured_attitude = Output(4, "1", IDENTITY, doc="measured attitude, body to inertial")
+    attitude = Input(4, "1", IDENTITY, frame="body",
+                     doc="true attitude, body to inertial, scalar last")
+    angular_velocity = Input(3, "rad/s", frame="body", optional=True, doc="true angular velocity")
+    measured_attitude = Output(4, "1", IDENTITY, frame="body",
+                               doc="measured attitude, body to inertial")
     maximum_rate = Parameter((), "rad/s", 1e6, min=0.0, doc="fastest turn that can be followed")
 
     def truth(self, attitude, angular_velocity, maximum_rate):

@@ -148,7 +148,7 @@ def description(model: Model, fmi: Literal[2, 3], code: Code, identity: str) -> 
 def token(model: Model, code: Code) -> str:
     """The FMU's identity: a hash of interface, equations and runtime."""
     digest = hashlib.sha256(_runtime_digest() + code.equations.encode())
-    interface = [(v.name, v.kind, v.unit, v.frame, v.tunable) for v in model.variables]
+    interface = [(v.name, v.kind, v.unit, v.frame, v.optional, v.tunable) for v in model.variables]
     digest.update(repr(interface).encode())
     return "{" + digest.hexdigest()[:32] + "}"
 

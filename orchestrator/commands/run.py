@@ -16,7 +16,8 @@ from ..config.parsing import parse
 from ..errors import ConfigError, FmuError, Problem, RunError
 from ..exit_codes import DONE, FAILED, MISUSED, STOPPED
 from ..progress import bar
-from ..results.file import FILE, TABLE, read, write_csv
+from ..results.file import FILE, read
+from ..results.table import TABLE, UNITS, write_csv
 from ..run import Interrupted, Statistics
 from ..system import System
 
@@ -48,8 +49,10 @@ def run(
         system = System.from_toml(config, overrides(settings), say)
         system = system.isolated() if isolate else system
         _say_if_slow(system, say)
-        for note in few(f"note: {n}" for n in system.graph.notes):
-            say(shorten(note, LONGEST, placeholder=CUT))
+        graph = system.graph
+        told = [f"note: {n}" for n in graph.notes] + [f"warning: {w}" for w in graph.warnings]
+        for line in few(told):
+            say(shorten(line, LONGEST, placeholder=CUT))
         return _simulate(system, out, csv, checkpoints, console)
     except ConfigError as error:
         say(str(error))
@@ -139,7 +142,7 @@ def _samples(out: Path) -> int:
 def _report(system: System, out: Path, csv: bool, code: int, console: Console) -> None:
     """Draw and tabulate what there is, and say in one line where it is."""
     plots = system.loaded.config.plots
-    for earlier in (TABLE, *(plot.file_name(FIGURES) for plot in plots)):
+    for earlier in (TABLE, UNITS, *(plot.file_name(FIGURES) for plot in plots)):
         (out / earlier).unlink(missing_ok=True)  # of a run whose results are gone
     results = read(out / FILE)
     if not len(results.time):
@@ -147,7 +150,7 @@ def _report(system: System, out: Path, csv: bool, code: int, console: Console) -
         return
     parts = [f"{FILE} ({len(results.time)} samples of {len(results.series)} signals)"]
     if csv:
-        parts.append(write_csv(out / FILE, system.selection.recorded).name)
+        parts += [p.name for p in write_csv(out / FILE, system.selection.recorded)]
     if plots and len(results.time) > 1:
         from ..results.plots import draw
 

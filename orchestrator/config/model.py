@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import BaseModel, ConfigDict, Field, PlainValidator, field_validator
 from pydantic_core import PydanticCustomError
 
 INSTANCE_NAME = r"^[A-Za-z_][A-Za-z0-9_-]*$"
@@ -25,6 +25,7 @@ FIGURE = re.compile(r"[^/\\]{1,200}\.(png|svg|pdf)")
 Instant = Annotated[float, Field(ge=-LARGEST, le=LARGEST, allow_inf_nan=False)]
 Width = Annotated[float, Field(ge=1 / LARGEST, le=LARGEST, allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Frames = str | tuple[str, ...]
 Relative = Annotated[float, Field(ge=ROUNDING, le=1.0, allow_inf_nan=False)]
 
 
@@ -63,6 +64,14 @@ class Simulation(_Table):
         return math.ceil(count - NEAR) if self.adaptive else round(count)
 
 
+def _frames(value: object) -> object:
+    """A role's frame by its name, or by a list of names where each row of a port has another."""
+    names = value if isinstance(value, list) and value else [value]
+    if not all(isinstance(name, str) for name in names):
+        raise PydanticCustomError("frames", "input should be a name or a list of names")
+    return tuple(names) if isinstance(value, list) else value
+
+
 class Instance(_Table):
     """One FMU of the system: a file, or a component to build."""
 
@@ -72,7 +81,7 @@ class Instance(_Table):
     structure: dict[str, int] = {}
     parameters: dict[str, Any] = {}
     start: dict[str, Any] = {}
-    frames: dict[str, str] = {}
+    frames: dict[str, Annotated[Frames, PlainValidator(_frames)]] = {}
     every: Annotated[int, Field(ge=1, le=PARTS)] = 1  # communication steps that one of its spans
     max_step: Width | None = None  # s, that the FMU takes at once
     isolate: bool = False  # run it in a process of its own

@@ -18,6 +18,8 @@ from ..schedule.order import Schedule, feeds_through
 from ..schedule.plan import Unit
 from ..system import System
 from ..wiring.graph import Connection, SystemGraph
+from ..wiring.unchecked import unchecked_frames, unchecked_units
+from ..wiring.undriven import undriven
 
 Timing = Literal["same", "ahead", "held", "late"]
 
@@ -55,6 +57,7 @@ class Explanation:
     loops: tuple[str, ...]
     conversions: tuple[str, ...]
     undriven: tuple[tuple[str, tuple[str, ...]], ...]
+    unchecked: tuple[tuple[str, tuple[str, ...]], ...]
     others: tuple[tuple[str, tuple[str, ...]], ...]
     frames: tuple[tuple[str, tuple[str, ...]], ...]
 
@@ -78,7 +81,8 @@ def explain(system: System) -> Explanation:
         together=tuple(_together(system)),
         loops=tuple(_loops(system)),
         conversions=tuple(_conversions(graph)),
-        undriven=tuple(undriven(graph).items()),
+        undriven=tuple(_undriven(graph).items()),
+        unchecked=tuple(_unchecked(graph).items()),
         others=tuple((n.name, tuple(n.fmu.others)) for n in graph.nodes if n.fmu.others),
         frames=tuple(_frames(graph)),
     )
@@ -114,22 +118,23 @@ def rate(system: System, unit: Unit) -> str:
     return ", ".join(words)
 
 
-def undriven(graph: SystemGraph) -> dict[str, tuple[str, ...]]:
-    """For each instance the inputs, or elements of them, that nothing drives."""
-    driven = {
-        (c.destination.instance, c.destination.port.label(e))
-        for c in graph.connections
-        for e in c.destination.elements
-    }
+def _undriven(graph: SystemGraph) -> dict[str, tuple[str, ...]]:
+    """For each instance the inputs, or elements of them, that nothing drives, and why not."""
     idle: dict[str, tuple[str, ...]] = {}
-    for node in graph.nodes:
-        names: list[str] = []
-        for port in node.fmu.inputs.values():
-            missing = [label for label in port.labels() if (node.name, label) not in driven]
-            names += [port.name] if len(missing) == port.size else missing
-        if names:
-            idle[node.name] = tuple(names)
+    for one in undriven(graph):
+        mark = f" ({one.excuse})" if one.excuse else ""
+        names = tuple(f"{label}{mark}" for label in one.labels)
+        idle[one.instance] = (*idle.get(one.instance, ()), *names)
     return idle
+
+
+def _unchecked(graph: SystemGraph) -> dict[str, tuple[str, ...]]:
+    """Frames and units: the connections where they are not checked, and why not."""
+    return {
+        what: tuple(f"{one.connection}: {', '.join(one.reasons)}" for one in found)
+        for what, found in (("frames", unchecked_frames(graph)), ("units", unchecked_units(graph)))
+        if found
+    }
 
 
 def _facts(system: System) -> Sequence[tuple[str, str]]:
@@ -182,12 +187,7 @@ def _loops(system: System) -> Iterator[str]:
 
 
 def _conversions(graph: SystemGraph) -> list[str]:
-    return [*graph.conversions] + [
-        f"{c}: {c.source.port.unit} to {c.destination.port.unit}, times {c.conversion.gain:.10g}"
-        + (f" {c.conversion.shift:+.10g}" if c.conversion.shift else "")
-        for c in graph.connections
-        if not c.conversion.trivial
-    ]
+    return [*graph.conversions, *(c.converted for c in graph.connections if c.converted)]
 
 
 def _frames(graph: SystemGraph) -> list[tuple[str, tuple[str, ...]]]:
@@ -196,7 +196,9 @@ def _frames(graph: SystemGraph) -> list[tuple[str, tuple[str, ...]]]:
     for node in graph.nodes:
         roles = {p.frame for p in node.fmu.ports.values() if p.frame}
         for role in sorted(roles - {"inertial"}):
-            bound.setdefault(node.frames.get(role, ""), []).append(f"{node.name} ({role})")
+            frames = node.frames.get(role, "")
+            for frame in (frames,) if isinstance(frames, str) else dict.fromkeys(frames):
+                bound.setdefault(frame, []).append(f"{node.name} ({role})")
     unbound = bound.pop("", None)
     found = [(frame, tuple(whose)) for frame, whose in bound.items()]
     return [*found, ("not bound, not checked", tuple(unbound))] if unbound else found

@@ -10,6 +10,7 @@ from ..system import System
 from ..wiring.graph import Connection, Node
 from .explanation import Timing, timings
 
+TOLD = 3  # instances that a box names one by one
 SHOWN = 12  # instances; of more, the copies of a template are one box
 
 
@@ -24,10 +25,13 @@ class Group:
     @property
     def heading(self) -> str:
         """Which instances, with their places in the order of stepping."""
-        first, last = (pick(self.numbers) for pick in (min, max))
-        if len(self.nodes) == 1:
-            return f"{first}  {self.nodes[0].name}"
-        return f"{first}…{last}  {self.nodes[0].name} … {self.nodes[-1].name}"
+        *others, last = [n.name for n in self.nodes]
+        if not others:
+            return f"{self.numbers[0]}  {last}"
+        places = sorted(self.numbers)
+        if len(places) <= TOLD:
+            return f"{', '.join(map(str, places))}  {', '.join((*others, last))}"
+        return f"{places[0]}, {places[1]} … {places[-1]}  {others[0]}, {others[1]} … {last}"
 
     @property
     def place(self) -> float:

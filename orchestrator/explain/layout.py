@@ -2,7 +2,8 @@
 
 Instances stand in the column after those whose values of the same step they take; a line that
 passes a column gets a place in it, so that no line crosses a box. The order within a column comes
-from sweeps of barycentres, the heights from least squares with a least distance.
+from sweeps of barycentres, the heights from least squares with a least distance. Columns that do
+not fit on a page go on below in another band, lines between bands pass in the space between them.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from dataclasses import dataclass, field
 HEAD, ROW, FOOT = 34.0, 15.0, 6.0  # heights in points
 GAP_X, GAP_Y, PASS = 90.0, 22.0, 7.0  # between columns, boxes, lines that pass
 LETTER = 5.6  # width of a letter
+PAGE = 1300.0  # width of a band of columns: letters can be read where it is fitted to a page
 SWEEPS = 12
 
 Port = tuple[str, str]  # instance and port
@@ -95,6 +97,7 @@ class Layout:
         self._sort()
         self._heights()
         self._widths()
+        self._bands()
 
     def lines(self) -> list[Line]:
         """The lines of all edges."""
@@ -182,18 +185,16 @@ class Layout:
                 goals = [_mean(w[1:], w[0]) for w in wanted.values()]
                 for place, y in zip(column, _apart(goals, _distances(column)), strict=True):
                     place.y = y
-        top = min(p.y for c in self.columns for p in c)
-        for place in (p for c in self.columns for p in c):
-            place.y -= top
-            if place.box:
-                place.box.y = place.y
-
     def _widths(self) -> None:
         x = 0.0
         self.left: list[float] = []
         self.right: list[float] = []
-        for column in self.columns:
+        self.first: list[int] = []  # the column that each band begins with
+        for number, column in enumerate(self.columns):
             width = max((p.box.width for p in column if p.box), default=0.0)
+            if not number or x + width > PAGE:
+                self.first.append(number)
+                x = 0.0
             for place in column:
                 if place.box:
                     place.box.x, place.box.width = x, width
@@ -201,13 +202,37 @@ class Layout:
             self.right.append(x + width)
             x += width + GAP_X
 
+    def _bands(self) -> None:
+        """One band below the other, with a channel for each source whose lines go on below."""
+        self.channels: dict[tuple[Port, int], float] = {}
+        y = 0.0
+        for first, end in itertools.pairwise([*self.first, len(self.columns)]):
+            places = [p for column in self.columns[first:end] for p in column]
+            for source, destination in self.edges:
+                goes_on = self.layer[source[0]] < first <= self.layer[destination[0]]
+                if goes_on and (source, first) not in self.channels:
+                    self.channels[(source, first)] = y
+                    y += PASS
+            y += GAP_Y if first else 0.0
+            top = min(p.y for p in places)
+            for place in places:
+                place.y += y - top
+                if place.box:
+                    place.box.y = place.y
+            y = max(p.y + p.height for p in places) + GAP_Y
+
     def _points(self, source: Port, destination: Port) -> Iterable[tuple[float, float]]:
         start, end = self.boxes[source[0]], self.boxes[destination[0]]
         yield start.x + start.width, start.output_y(source[1])
-        for number in range(self.layer[source[0]] + 1, self.layer[destination[0]]):
-            y = self.passing[(source, number)].y
-            yield self.left[number], y
-            yield self.right[number], y
+        for number in range(self.layer[source[0]] + 1, self.layer[destination[0]] + 1):
+            if number in self.first:
+                y = self.channels[(source, number)]
+                yield self.right[number - 1], y
+                yield self.left[number], y
+            if number < self.layer[destination[0]]:
+                y = self.passing[(source, number)].y
+                yield self.left[number], y
+                yield self.right[number], y
         yield end.x, end.input_y(destination[1])
 
 

@@ -12,15 +12,18 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyBboxPatch, PathPatch
 from matplotlib.path import Path as Curve
 
-from ..results.plots import COLOURS, METADATA
+from ..results.plots import METADATA
+from ..results.styles import COLOURS
 from ..system import System
-from .explanation import Timing, rate, undriven
+from ..wiring.undriven import undriven
+from .explanation import Timing, rate
 from .groups import Group, Link, groups_of, links_of
 from .layout import HEAD, ROW, Box, Layout, Line, Port
 
 POINTS = 72.0  # per inch
 MARGIN = 24.0
 LEGEND = 60.0
+TURN = 28.0  # how far lines that go on in another band reach out, less a quarter
 MARK: Mapping[Timing, str] = {"late": " ⇠ late ", "held": " ⇠ ", "same": " ↺ ", "ahead": " ↺ "}
 MOST = 48  # boxes; of more, the first are drawn
 GREY, LATE, HELD = "#8a8a8a", "#c0392b", "#6c4a9e"
@@ -58,7 +61,9 @@ def _content(
             edges.append(((link.source, link.out), (link.destination, link.key)))
         elif link.source in names:
             outputs[link.source][link.out] = f"{link.out} ⇢"
-    idle = undriven(system.graph)
+    idle: dict[str, list[str]] = {}
+    for one in undriven(system.graph):
+        idle.setdefault(one.instance, []).extend(one.labels)
     rates = {system.graph.nodes[u.node].name: rate(system, u) for u in system.plan.units}
     boxes = []
     for group in shown:
@@ -104,14 +109,17 @@ def _figure(layout: Layout, shown: Sequence[Group]) -> Figure:
 
 def _curve(line: Line) -> Curve:
     points, codes = [line.points[0]], [Curve.MOVETO]
+    turn = TURN
     for number, (a, b) in enumerate(itertools.pairwise(line.points)):
-        if number % 2:  # across a column
+        if number % 2:  # across a column, or back to the left between bands
             points.append(b)
             codes.append(Curve.LINETO)
-        else:
-            middle = (a[0] + b[0]) / 2
-            points += [(middle, a[1]), (middle, b[1]), b]
-            codes += [Curve.CURVE4] * 3
+            continue
+        middle = (a[0] + b[0]) / 2
+        if a[0] == b[0]:  # round a column's right side to a channel, or from it round the left
+            middle, turn = a[0] + turn, -turn
+        points += [(middle, a[1]), (middle, b[1]), b]
+        codes += [Curve.CURVE4] * 3
     return Curve(points, codes)
 
 

@@ -33,6 +33,8 @@ def _lines(explanation: Explanation) -> Iterator[str]:
     if explanation.others:
         rows = [f"{name}: {', '.join(variables)}" for name, variables in explanation.others]
         yield from _section("variables that nothing can drive: clocks and binary ones", rows)
+    for what, unchecked in explanation.unchecked:
+        yield from _section(f"connections whose {what} are not checked", unchecked)
     if explanation.frames:
         rows = [f"{frame}: {', '.join(few(whose))}" for frame, whose in explanation.frames]
         yield from _section("frames", rows)

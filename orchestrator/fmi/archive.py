@@ -70,7 +70,7 @@ def read(path: Path) -> FmuDescription:
         token=model.guid if version == "2.0" else model.instantiationToken,
         description=model.description or "",
         generator=model.generationTool or "",
-        ports=ports(variables, _units(model), _frames(text), ENUMERATED[version]),
+        ports=ports(variables, _units(model), _notes(text), ENUMERATED[version]),
         others={v.name: v.type for v in model.modelVariables if v.type not in KINDS},
         feedthrough=_feedthrough(model),
         variable_step=offered.canHandleVariableCommunicationStepSize,
@@ -132,16 +132,16 @@ def _units(model: Any) -> dict[str, Unit]:
     return units
 
 
-def _frames(text: Any) -> dict[str, str]:
-    """Frame roles by the variable's name, from this project's annotation."""
-    frames = {}
+def _notes(text: Any) -> dict[str, Any]:
+    """This project's annotation, by the variable's name."""
+    notes = {}
     for variable in text.iterfind("ModelVariables/*"):
-        frame = variable.find("Annotations/Tool[@name='sightline']/Frame")  # FMI 2.0
-        if frame is None:
-            frame = variable.find("Annotations/Annotation[@type='sightline']/Frame")  # FMI 3.0
-        if frame is not None and frame.text:
-            frames[variable.get("name")] = frame.text.strip()
-    return frames
+        note = variable.find("Annotations/Tool[@name='sightline']/Port")  # FMI 2.0
+        if note is None:
+            note = variable.find("Annotations/Annotation[@type='sightline']/Port")  # FMI 3.0
+        if note is not None:
+            notes[variable.get("name")] = note
+    return notes
 
 
 def _feedthrough(model: Any) -> dict[int, frozenset[int]]:
@@ -158,7 +158,7 @@ def _feedthrough(model: Any) -> dict[int, frozenset[int]]:
 def ports(
     variables: Iterable[Any],
     units: Mapping[str, Unit],
-    frames: Mapping[str, str],
+    notes: Mapping[str, Any],
     enumerated: str = "Integer",
 ) -> dict[str, Port]:
     """Scalars named ``x[1]``, ``x[2]``, ... grouped into arrays; everything else as it is."""
@@ -179,9 +179,9 @@ def ports(
             continue
         if base in shapes:
             members = [v for _, v in sorted(groups[base], key=lambda m: m[0])]
-            port = _port(base, shapes[base], members, units, frames)
+            port = _port(base, shapes[base], members, units, notes)
         else:
-            port = _port(variable.name, variable.shape or (), [variable], units, frames)
+            port = _port(variable.name, variable.shape or (), [variable], units, notes)
         if port.kind == "enumeration":
             port = replace(port, type=enumerated)
         result[port.name] = port
@@ -204,9 +204,10 @@ def _port(
     shape: tuple[int, ...],
     members: list[Any],
     units: Mapping[str, Unit],
-    frames: Mapping[str, str],
+    notes: Mapping[str, Any],
 ) -> Port:
     first = members[0]
+    note = notes.get(first.name, {})
     declared = first.declaredType
     unit = first.unit or getattr(declared, "unit", None)
     low = first.min or getattr(declared, "min", None)
@@ -229,7 +230,8 @@ def _port(
         type=first.type,
         variability=first.variability or "continuous",
         unit=units.get(unit, Unit(unit)) if unit else None,
-        frame=frames.get(first.name, ""),
+        frame=note.get("frame", "").strip(),
+        optional=note.get("optional") == "true",
         description=first.description or "",
         settable=settable,
         start=starts if all(s is not None for s in starts) else (),

@@ -30,6 +30,7 @@ class Port:
     variability: str = "continuous"
     unit: Unit | None = None
     frame: str = ""
+    optional: bool = False  # an input that may well be driven by nothing
     description: str = ""
     settable: bool = False
     start: tuple[str, ...] = ()

@@ -10,6 +10,7 @@ from ..fmi.description import FmuDescription, Port
 from ..fmi.units import UNCHANGED, Conversion
 
 Scalar = float | int | bool | str
+Frames = str | tuple[str, ...]
 TIME_LIMIT = 60.0  # s
 
 
@@ -33,7 +34,8 @@ class Setting:
 
 @dataclass(frozen=True)
 class Node:
-    """One instance. ``frames`` binds the roles of its ports' frames to names of the system.
+    """One instance. ``frames`` binds the roles of its ports' frames to names of the system: to one,
+    or to one for each row of the ports.
 
     ``time_limit``: s, that any one call may take if it is ``isolated``.
     """
@@ -41,15 +43,18 @@ class Node:
     name: str
     fmu: FmuDescription
     settings: tuple[Setting, ...] = ()
-    frames: Mapping[str, str] = field(default_factory=dict)
+    frames: Mapping[str, Frames] = field(default_factory=dict)
     isolated: bool = False
     time_limit: float = TIME_LIMIT
 
-    def frame(self, port: Port) -> str:
-        """The frame of a port by its name in the system; empty if unknown."""
+    def frame(self, port: Port, element: int | None = None) -> str:
+        """The frame of a port, or of an element, by its name in the system; empty if unknown."""
         if port.frame == "inertial":
             return "inertial"
-        return self.frames.get(port.frame, "") if port.frame else ""
+        bound = self.frames.get(port.frame, "")
+        if isinstance(bound, str):
+            return bound
+        return ", ".join(bound) if element is None else bound[element * len(bound) // port.size]
 
 
 @dataclass(frozen=True)
@@ -86,14 +91,25 @@ class Connection:
     def __str__(self) -> str:
         return f"{self.source} -> {self.destination}"
 
+    @property
+    def converted(self) -> str:
+        """What is converted to what; empty if nothing is."""
+        if self.conversion.trivial:
+            return ""
+        shift = f" {self.conversion.shift:+.10g}" if self.conversion.shift else ""
+        units = f"{self.source.port.unit} to {self.destination.port.unit}"
+        return f"{self}: {units}, times {self.conversion.gain:.10g}{shift}"
+
 
 @dataclass(frozen=True)
 class SystemGraph:
-    """Everything that is run, checked. ``notes`` says what is allowed but worth knowing."""
+    """Everything that is run, checked. ``notes`` says what is allowed but worth knowing,
+    ``warnings`` what is more likely a mistake."""
 
     nodes: tuple[Node, ...]
     connections: tuple[Connection, ...] = ()
     notes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
     @property
     def conversions(self) -> tuple[str, ...]:

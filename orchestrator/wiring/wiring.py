@@ -11,9 +11,10 @@ from dataclasses import dataclass, replace
 from ..config.loading import Loaded
 from ..config.model import CONNECTION
 from ..errors import Problem, nearest
-from ..fmi.description import FmuDescription
+from ..fmi.description import FmuDescription, Port
 from ..fmi.units import Conversion, Unit, conversion
-from .graph import TIME_LIMIT, Connection, End, Node, SystemGraph
+from .graph import TIME_LIMIT, Connection, End, Frames, Node, SystemGraph
+from .notes import notes, warnings
 from .values import settings
 
 ELEMENT = re.compile(r"^(?P<port>.+)\[(?P<index>[^\[\]]*)\]$")
@@ -32,23 +33,21 @@ def wire(
 
 
 class Wiring:
-    """Collects problems and notes while it wires."""
+    """Collects problems while it wires."""
 
     def __init__(self, loaded: Loaded, fmus: Mapping[str, FmuDescription]) -> None:
         self.loaded = loaded
         self.fmus = fmus
         self.problems: list[Problem] = []
-        self.notes: list[str] = []
         self.driven: dict[tuple[str, str], tuple[int, str]] = {}
         self.nodes = {n: self._node(n, fmu) for n, fmu in fmus.items()}
 
     def graph(self) -> SystemGraph:
         """The graph of what is right."""
         found = [self._connection(i, c) for i, c in enumerate(self.loaded.config.connections)]
-        self._note_undriven()
         connections = tuple(c for c in found if c is not None)
         graph = SystemGraph(tuple(self.nodes.values()), connections)
-        return replace(graph, notes=(*graph.conversions, *self.notes))
+        return replace(graph, notes=tuple(notes(graph)), warnings=tuple(warnings(graph)))
 
     def _report(self, problem: Problem, path: tuple[str, ...]) -> None:
         self.problems.append(self.loaded.place(problem, path))
@@ -63,6 +62,11 @@ class Wiring:
                 path = ("instances", name, "frames", role)
                 what = f"{fmu.model_name} has no frame of this role"
                 self._report(Problem(".".join(path), what, nearest(role, roles, "roles")), path)
+            elif odd := _other_rows(fmu, role, instance.frames[role]):
+                path = ("instances", name, "frames", role)
+                what = f"{len(instance.frames[role])} frames, but {odd.name} has {_rows(odd)}"
+                remedy = "name one frame for each row, or one for all"
+                self._report(Problem(".".join(path), what, remedy), path)
         limit = TIME_LIMIT if instance.time_limit is None else instance.time_limit
         return Node(name, fmu, values, instance.frames, instance.isolate, limit)
 
@@ -115,23 +119,19 @@ class Wiring:
         if passes is None:
             what = f"{source} is in {_unit(out)}, {destination} needs {_unit(into)}"
             self._wrong(text, what)
-        elif not passes.trivial:
-            shift = f" {passes.shift:+.10g}" if passes.shift else ""
-            self.notes.append(
-                f"{source} -> {destination}: {out} converted to {into} "
-                f"(times {passes.gain:.10g}{shift})"
-            )
         return passes
 
     def _frames(self, text: str, source: End, destination: End) -> None:
-        out = self.nodes[source.instance].frame(source.port)
-        into = self.nodes[destination.instance].frame(destination.port)
-        if out and into and out != into:
-            what = (
-                f"{source} has its components in the frame {out}{_role(source, out)}, "
-                f"{destination} needs {into}{_role(destination, into)}"
-            )
-            self._wrong(text, what, "connect ports of one frame, or correct frames = {...}")
+        sender, receiver = self.nodes[source.instance], self.nodes[destination.instance]
+        for one, other in zip(source.elements, destination.elements, strict=False):
+            out, into = sender.frame(source.port, one), receiver.frame(destination.port, other)
+            if out and into and out != into:
+                what = (
+                    f"{source} is of the frame {out}{_role(source, out)}, "
+                    f"{destination} needs {into}{_role(destination, into)}"
+                )
+                self._wrong(text, what, "connect ports of one frame, or correct frames = {...}")
+                return
 
     def _drive(self, number: int, text: str, destination: End) -> None:
         for element in destination.elements:
@@ -141,19 +141,6 @@ class Wiring:
                 what = f'{destination.instance}.{label} is already driven by "{by}"'
                 self._wrong(text, what, "an input has one source")
                 return
-
-    def _note_undriven(self) -> None:
-        for name, fmu in self.fmus.items():
-            idle = []
-            for port in fmu.inputs.values():
-                missing = [x for x in port.labels() if (name, x) not in self.driven]
-                idle += [port.name] if len(missing) == port.size else missing
-            if idle:
-                them = "its start value" if len(idle) == 1 else "their start values"
-                self.notes.append(f"{name}: nothing drives {', '.join(idle)}; kept at {them}")
-            if fmu.others:
-                them = ", ".join(f"{other} ({type_})" for other, type_ in fmu.others.items())
-                self.notes.append(f"{name}: nothing can drive {them}; left to the FMU")
 
 
 def find_end(instance: str, fmu: FmuDescription, name: str, causality: str) -> End:
@@ -227,6 +214,18 @@ def _unit(unit: Unit | None) -> str:
     if unit is None or unit.exponents is None or unit.dimension == unit.name:
         return str(unit)
     return f"{unit} ({unit.dimension})"
+
+
+def _other_rows(fmu: FmuDescription, role: str, frames: Frames) -> Port | None:
+    """A port of a role that has not one row for each of its frames; None if all have."""
+    if isinstance(frames, str):
+        return None
+    ports = (p for p in fmu.of("input", "output").values() if p.frame == role)
+    return next((p for p in ports if len(p.shape) < 2 or p.shape[0] != len(frames)), None)
+
+
+def _rows(port: Port) -> str:
+    return f"{port.shape[0]} rows" if len(port.shape) > 1 else "no rows"
 
 
 def _role(end: End, frame: str) -> str:

@@ -83,6 +83,15 @@ def test_every_vector_port_has_a_frame(block: type[Component]):
 
 
 @pytest.mark.parametrize("block", BLOCKS)
+def test_every_attitude_and_every_row_of_vectors_says_whose_it_is(block: type[Component]):
+    ports = {n: block.declarations[n] for n in (*block().inputs_, *block().outputs_)}
+    framed = {n: q for n, q in ports.items() if q.shape[-1:] == (3,) or (
+        q.shape[-1:] == (4,) and "attitude" in n and "relative" not in n
+    )}  # fmt: skip
+    assert [name for name, quantity in framed.items() if quantity.frame is None] == []
+
+
+@pytest.mark.parametrize("block", BLOCKS)
 def test_no_equation_changes_what_it_receives(block: type[Component]):
     values = block().start_values()
     before = {name: value.copy() for name, value in values.items()}

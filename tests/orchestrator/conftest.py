@@ -5,6 +5,7 @@ from __future__ import annotations
 import zipfile
 from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import Any
 
 import fmpy
 import pytest
@@ -32,12 +33,14 @@ LIBRARY = b"\x7fELF\2\1\1" + bytes(9) + b"\3\0" + MACHINE + NAMES
 
 
 def variable(
-    name: str, causality: str = "input", kind: str = "Real", frame: str = "", **attributes: str
-) -> str:
+    name: str, causality: str = "input", kind: str = "Real", frame: str = "",
+    optional: bool = False, **attributes: str,
+) -> str:  # fmt: skip
     """One ScalarVariable without its value reference."""
     inner = " ".join(f'{k}="{v}"' for k, v in attributes.items())
-    tool = f'<Tool name="sightline"><Frame>{frame}</Frame></Tool>'
-    note = f"<Annotations>{tool}</Annotations>" if frame else ""
+    port = f'<Port frame="{frame}" optional="{str(optional).lower()}"/>'
+    tool = f'<Annotations><Tool name="sightline">{port}</Tool></Annotations>'
+    note = tool if frame or optional else ""
     variability = {"parameter": "fixed"}.get(causality, "")
     if kind != "Real" and not variability:
         variability = "discrete"
@@ -46,6 +49,11 @@ def variable(
         f'<ScalarVariable name="{name}" valueReference="#" causality="{causality}"{extra}>'
         f"<{kind} {inner}/>{note}</ScalarVariable>"
     )
+
+
+def vector(name: str, size: int, *args: str, **attributes: Any) -> list[str]:
+    """The ScalarVariables of an array."""
+    return [variable(f"{name}[{i}]", *args, **attributes) for i in range(1, size + 1)]
 
 
 MakeFmu = Callable[..., Path]

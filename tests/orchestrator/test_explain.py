@@ -11,7 +11,7 @@ import pytest
 from sightline.orchestrator.alike import few
 from sightline.orchestrator.explain.explanation import explain
 from sightline.orchestrator.explain.groups import groups_of, links_of
-from sightline.orchestrator.explain.layout import Box, Layout
+from sightline.orchestrator.explain.layout import PAGE, Box, Layout
 from sightline.orchestrator.explain.picture import draw
 from sightline.orchestrator.explain.text import text
 from sightline.orchestrator.system import System
@@ -150,6 +150,26 @@ def test_line_that_passes_a_column_crosses_no_box() -> None:
     assert end == (layout.boxes["c"].x, layout.boxes["c"].input_y("y"))
 
 
+def test_a_long_chain_goes_on_in_bands_no_wider_than_a_page() -> None:
+    names = [f"block{i}" for i in range(12)]
+    boxes = [Box(n, 30 * "n", n, [("u", "u"), ("v", "v")], [("y", "y")]) for n in names]
+    edges = [((a, "y"), (b, "u")) for a, b in itertools.pairwise(names)]
+    edges.append((("block0", "y"), ("block11", "v")))
+    layout = Layout(boxes, edges)
+    assert layout.size()[0] <= PAGE
+    for one, other in itertools.pairwise(boxes):  # left to right, and on below
+        assert other.x > one.x + one.width or other.y > one.y + one.height
+    level = [
+        (a, b, y) for line in layout.lines()
+        for (a, y), (b, _) in list(itertools.pairwise(line.points))[1::2]
+    ]  # fmt: skip
+    assert sum(b < a for a, b, _ in level) > 1  # back to the left
+    for a, b, y in level:
+        for each in boxes:
+            beside = max(a, b) <= each.x or each.x + each.width <= min(a, b)
+            assert beside or not each.y <= y <= each.y + each.height
+
+
 @pytest.mark.parametrize("suffix", ["svg", "png"])
 def test_picture_is_the_same_each_time(system, tmp_path: Path, suffix: str) -> None:
     contents = []
@@ -185,7 +205,7 @@ connections = [
     assert [(g.name, len(g.nodes)) for g in groups] == [
         ("plant{i}", 200), ("sensor{i}", 200), ("control{i}", 200), ("last", 1),
     ]  # fmt: skip
-    assert groups[0].heading == "1…597  plant1 … plant200"
+    assert groups[0].heading == "1, 3 … 597  plant1, plant2 … plant200"
     assert {(k.source, k.destination, k.shown, k.forward) for k in links_of(system, groups)} == {
         ("plant{i}", "sensor{i}", "plant{i}.x", True),
         ("sensor{i}", "control{i}", "sensor{i+1}.y", True),

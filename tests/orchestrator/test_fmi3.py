@@ -38,6 +38,17 @@ def test_arrays_and_scalars_are_ports_of_one_shape(fmu) -> None:
     assert three.event_mode
 
 
+@pytest.mark.parametrize("version", VERSIONS)
+def test_fmu_tells_frames_and_which_inputs_are_optional(fmu_cache: None, version: int) -> None:
+    fmu = read(build("FreeRigidBody", target="native", fmi=version))
+    told = {name: (port.frame, port.optional) for name, port in fmu.inputs.items()}
+    assert told == {
+        "force": ("body", False), "torque": ("body", False),
+        "disturbance_force": ("inertial", True), "disturbance_torque": ("body", True),
+    }  # fmt: skip
+    assert fmu.ports["attitude"].frame == "body"
+
+
 @pytest.mark.parametrize("algorithm", ["gauss-seidel", "jacobi"])
 @pytest.mark.parametrize("step", [0.05, 0.07])  # samples at the points, and between them
 @pytest.mark.parametrize("stepper", ["python", "compiled"])

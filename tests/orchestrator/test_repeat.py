@@ -69,7 +69,10 @@ def test_open_row_ends(ring) -> None:
         "craft1.y -> craft2.u[1]", "craft2.y -> craft3.u[1]", "craft2.y -> craft1.u[2]",
         "craft3.y -> craft2.u[2]",
     ]  # fmt: skip
-    assert "craft1: nothing drives u[1]; kept at its start value" in system.graph.notes
+    assert system.graph.warnings == (
+        "nothing drives craft1.u[1]; it stays at its start value",
+        "nothing drives craft3.u[2]; it stays at its start value",
+    )
 
 
 def test_count_is_set_from_outside(ring) -> None:
@@ -106,9 +109,10 @@ def test_extending_config_changes_the_count_and_one_driver(ring, tmp_path: Path)
 
 
 def test_index_stands_in_every_text_of_an_instance(ring) -> None:
-    path = ring(table='frames = { body = "craft{i}" }')
+    path = ring(table='frames = { body = "craft{i}", other = ["craft{i-1}", "craft{i+1}"] }')
     loaded, _ = load(path)
-    assert loaded.config.instances["craft3"].frames == {"body": "craft3"}
+    frames = loaded.config.instances["craft3"].frames
+    assert frames == {"body": "craft3", "other": ("craft2", "craft4")}
 
 
 @pytest.mark.parametrize(

@@ -38,7 +38,7 @@ def test_unit_quantity_and_frame_of_a_force(body_fmu: Path) -> None:
     force = root.find("ModelVariables/ScalarVariable[@name='force[2]']")
     assert force.find("Real").get("unit") == "N"
     assert force.find("Real").get("quantity") == "Force"
-    assert force.findtext("Annotations/Tool[@name='sightline']/Frame") == "body"
+    assert force.find("Annotations/Tool[@name='sightline']/Port").get("frame") == "body"
     newton = root.find("UnitDefinitions/Unit[@name='N']/BaseUnit")
     assert dict(newton.attrib) == {"kg": "1", "m": "1", "s": "-2"}
 

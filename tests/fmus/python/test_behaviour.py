@@ -309,7 +309,8 @@ def left(count):
 with loaded(Path({str(body_fmu)!r})) as (description, folder):
     left(100)
     searched = list(sys.path)
-    print(left(500) < 1.5 * 500, sys.path == searched)
+    rounds = [left(300) for _ in range(5)]  # of which some have to do with caches of Python's
+    print(min(rounds) < 1.5 * 300, sys.path == searched)
 """
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (0, "True True\n"), done.stderr
