@@ -14,7 +14,6 @@ from .exit_codes import FAILED, STOPPED
 
 app = typer.Typer(
     name="sightline",
-    help="Spacecraft formation-flying blocks as FMUs, and their co-simulation.",
     epilog="Example:  sightline demo --out first-run",
     no_args_is_help=True,
     add_completion=False,
@@ -29,7 +28,7 @@ Set = Annotated[
         "--set", help="instance.name=value, simulation.step=value or repeat.i=count; repeatable."
     ),
 ]
-Csv = Annotated[bool, typer.Option("--csv", help="Write results.csv too.")]
+Csv = Annotated[bool, typer.Option("--csv", help="Write results.csv and results_units.csv too.")]
 Isolate = Annotated[
     bool, typer.Option("--isolate", help="Run every FMU in a process of its own.")
 ]
@@ -58,6 +57,24 @@ class Scale(StrEnum):
     log = "log"
 
 
+def _version(asked: bool) -> None:
+    if asked:
+        from importlib.metadata import version
+
+        typer.echo(f"sightline {version('sightline')}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_version, is_eager=True, help="Show it and exit."),
+    ] = False,
+) -> None:
+    """Spacecraft formation-flying blocks as FMUs, and their co-simulation."""
+
+
 @app.command("list", epilog="Example:  sightline list")
 def list_blocks() -> None:
     """List the blocks by family."""
@@ -76,7 +93,7 @@ def info(
     raise typer.Exit(command_catalogue.info(name))
 
 
-@app.command(epilog="Example:  sightline build FreeRigidBody my_blocks.py:MyController --out fmus")
+@app.command(epilog="Example:  sightline build FreeRigidBody my_blocks.py:MyController --out built")
 def build(
     names: Annotated[list[str], typer.Argument(help="Blocks of the catalogue, or file.py:Class.")],
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the FMUs.")] = Path("."),
@@ -135,7 +152,7 @@ def explain(
     raise typer.Exit(command_explain.run(config, settings or [], graph))
 
 
-@app.command(epilog="Example:  sightline verify fmus/*.fmu --junit report.xml")
+@app.command(epilog="Example:  sightline verify built/*.fmu --junit report.xml")
 def verify(
     files: Annotated[list[Path], typer.Argument(help="FMU files, of any origin.")],
     junit: Annotated[
@@ -182,7 +199,9 @@ def plot(
         Path | None, typer.Option("--out", "-o", help="A .png, .svg or .pdf file, or a folder.")
     ] = None,
     form: Annotated[Form, typer.Option("--format", help="Of figures in a folder.")] = Form.png,
-    scale: Annotated[Scale | None, typer.Option(help="Of the value axis.")] = None,
+    scale: Annotated[
+        Scale | None, typer.Option(help="Of the value axis; log only where values span a decade.")
+    ] = None,
     until: Annotated[float | None, typer.Option(help="End of the time axis, s.")] = None,
     title: Annotated[str | None, typer.Option(help="Headline.")] = None,
 ) -> None:

@@ -10,17 +10,23 @@ import numpy as np
 from ..errors import Problem, nearest
 from ..schedule.plan import Array
 from ..wiring.signals import compile_glob
-from .file import Results
+from .file import Results, Series
+
+UNIT_NORM = 1e-6  # what an attitude may be off from a unit quaternion
 
 
 @dataclass(frozen=True)
 class Curve:
-    """One element of a signal over time; ``port`` is ``instance.port``."""
+    """One element of a signal over time; ``port`` is ``instance.port``.
+
+    ``frame``: that of the vector whose component it is; empty if it is none.
+    """
 
     port: str
     label: str
     unit: str
     values: Array
+    frame: str = ""
 
 
 def chosen(patterns: Iterable[str], results: Results) -> list[str]:
@@ -39,13 +45,26 @@ def curves(names: Iterable[str], results: Results) -> list[Curve]:
         series = results.series[port]
         flat = series.values.reshape(len(results.time), -1)
         labels = element_labels(port, series.values.shape[1:])
+        axes = component_names(series)
         unit = "" if series.unit == "1" else series.unit
+        frame = series.frame if axes == "xyz" else ""
         found += [
-            Curve(port, label, unit, flat[:, i])
+            Curve(port, f"{port} {axes[i]}" if axes else label, unit, flat[:, i], frame)
             for i, label in enumerate(labels)
             if name in (port, label)
         ]
     return found
+
+
+def component_names(series: Series) -> str:
+    """``xyz`` of a vector in a frame, ``xyzw`` of a unit quaternion; else empty."""
+    shape = series.values.shape[1:]
+    if shape == (3,) and series.frame:
+        return "xyz"
+    if shape == (4,) and series.unit == "1":
+        norms = np.linalg.norm(series.values, axis=1)
+        return "xyzw" if np.all(np.abs(norms - 1.0) < UNIT_NORM) else ""
+    return ""
 
 
 def element_labels(port: str, shape: Sequence[int]) -> list[str]:

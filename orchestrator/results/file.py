@@ -9,9 +9,8 @@ process dies. The same config gives a bit-identical file: it holds no time of da
 
 from __future__ import annotations
 
-import csv
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import TracebackType
@@ -21,6 +20,7 @@ from urllib.parse import unquote
 import h5py
 import numpy as np
 
+from ..errors import nearest
 from ..schedule.plan import Array
 from ..wiring.graph import SystemGraph
 from ..wiring.signals import Signal
@@ -29,7 +29,6 @@ from .hdf5 import numbers, opened
 from .provenance import fmus
 
 FILE = "results.h5"
-TABLE = "results.csv"
 CHUNK = 1024  # rows
 TYPES = {"real": "f8", "integer": "i4", "enumeration": "i4", "boolean": "u1"}
 LONG = ("Int64", "UInt64", "UInt32")  # integers that need eight bytes
@@ -155,6 +154,18 @@ class ResultsWriter:
         return dataset
 
 
+class UnknownSignal(KeyError):
+    """Results hold no signal of this ``name``; ``signals``: those that they hold."""
+
+    def __init__(self, name: str, signals: Iterable[str]) -> None:
+        super().__init__(name)
+        self.name, self.signals = name, tuple(signals)
+
+    def __str__(self) -> str:
+        remedy = nearest(self.name, self.signals, "signals")
+        return f'the results hold no signal "{self.name}"; {remedy}'
+
+
 @dataclass(frozen=True)
 class Series:
     """One recorded signal: values have the shape (samples, *port shape)."""
@@ -182,11 +193,17 @@ class Results:
     rejected: int = 0
 
     def __getitem__(self, name: str) -> Array:
-        return self.series[name].values
+        """The values of a signal. Raises UnknownSignal, a KeyError."""
+        return self._of(name).values
 
     def unit(self, name: str) -> str:
-        """The unit of a signal."""
-        return self.series[name].unit
+        """The unit of a signal. Raises UnknownSignal, a KeyError."""
+        return self._of(name).unit
+
+    def _of(self, name: str) -> Series:
+        if name not in self.series:
+            raise UnknownSignal(name, self.series)
+        return self.series[name]
 
     def until(self, time: float) -> Results:
         """The results up to a time."""
@@ -238,29 +255,6 @@ def copy_rows(path: Path, rows: int, writer: ResultsWriter) -> None:
                 data = file[column.signal.dataset][part]
                 values[:, column.first:column.last] = data.reshape(len(times), -1)
             writer.append(times, values)
-
-
-def write_csv(results: Path, signals: Sequence[Signal]) -> Path:
-    """Write the table next to a results file: time, then every element of every signal."""
-    path = results.with_name(TABLE)
-    header = [
-        "time", *(f"{s.instance}.{s.port.label(e)}" for s in signals for e in s.elements)
-    ]
-    with h5py.File(results, "r") as file, path.open("w", newline="", encoding="utf-8") as out:
-        writer = csv.writer(out)
-        writer.writerow(header)
-        for first in range(0, len(file["time"]), CHUNK):
-            writer.writerows(_rows(file, signals, slice(first, first + CHUNK)))
-    return path
-
-
-def _rows(file: Any, signals: Sequence[Signal], part: slice) -> Iterator[list[float]]:
-    time = file["time"][part]
-    columns = [time.tolist()]
-    for signal in signals:
-        values = file[signal.dataset][part].reshape(len(time), -1)
-        columns += [values[:, i].tolist() for i in range(values.shape[1])]
-    return (list(row) for row in zip(*columns, strict=True))
 
 
 def columns_of(signals: Sequence[Signal]) -> list[Column]:

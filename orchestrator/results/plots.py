@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,15 +16,14 @@ from ..config.model import Plot
 from ..schedule.plan import Array
 from .curves import Curve, chosen, curves, plain
 from .file import Results
+from .labels import set_title, spans_decades, time_unit, value_label
+from .styles import styles
 from .trajectory import draw_trajectory
 
 SIZE = (8.0, 4.5)  # inches
 DPI = 120
-COLOURS = (
-    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f3c8d", "#333333",
-)  # fmt: skip
-DASHES = ("-", "--", "-.")  # so that lines on top of each other are seen
 NAMED = 24  # lines that a legend can name
+LABEL_LETTERS = 26  # of the name of an axis beside one of several pairs of axes, in a line
 GRID = {"color": "#dddddd", "linewidth": 0.6}
 METADATA = {".png": {"Software": None}, ".svg": {"Date": None, "Creator": None}}
 COMPARABLE = {"trajectory": "of 2 or 3 elements", "angle": "that are quaternions of 4 elements"}
@@ -72,13 +72,15 @@ def _histories(figure: Figure, plot: Plot, lines: Sequence[Curve], time: Array) 
     if len(units) > 1:
         figure.set_size_inches(SIZE[0], 1.0 + 2.6 * len(units))
     rows = figure.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]
+    letters = LABEL_LETTERS if len(units) > 1 else 2 * LABEL_LETTERS
+    name, seconds = time_unit(float(time[-1] - time[0]))
     for axes, unit in zip(rows, units, strict=True):
         mine = [c for c in lines if c.unit == unit]
-        logarithmic = plot.scale == "log" and any(np.any(c.values != 0) for c in mine)
+        logarithmic = plot.scale == "log" and spans_decades(mine)
         signed = logarithmic and any(np.any(c.values < 0) for c in mine)
-        _lines(axes, mine, time, absolute=signed)
-        name = plot.y or _shared(mine)
-        axes.set_ylabel(with_unit(f"|{name}|" if signed and name else name, unit))
+        _lines(axes, mine, time / seconds, absolute=signed)
+        label = value_label(mine, plot.y, magnitude=signed)
+        axes.set_ylabel(textwrap.fill(label, letters, break_long_words=False))
         axes.set_yscale("log" if logarithmic else "linear")
         if not logarithmic:
             axes.ticklabel_format(axis="y", useOffset=False)
@@ -87,20 +89,17 @@ def _histories(figure: Figure, plot: Plot, lines: Sequence[Curve], time: Array) 
         axes.set_xmargin(0.0)
         axes.grid(True, **GRID)
         axes.spines[["top", "right"]].set_visible(False)
-    rows[0].set_title(plain(plot.title))
-    rows[-1].set_xlabel("time (s)")
+    set_title(figure, plot.title)
+    rows[-1].set_xlabel(f"time ({name})")
 
 
 def _lines(axes: Axes, lines: Sequence[Curve], time: Array, absolute: bool) -> None:
     named = len(lines) <= NAMED
     shades = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.95, len(lines)))
-    for number, curve in enumerate(lines):
+    looks = styles(lines) if named else [{"color": c, "linewidth": 0.6} for c in shades]
+    for curve, look in zip(lines, looks, strict=True):
         values = np.abs(curve.values) if absolute else curve.values
-        if named:
-            dash, colour = DASHES[number % len(DASHES)], COLOURS[number % len(COLOURS)]
-            axes.plot(time, values, dash, color=colour, linewidth=1.4, label=plain(curve.label))
-        else:
-            axes.plot(time, values, color=shades[number], linewidth=0.6, label=curve.label)
+        axes.plot(time, values, label=plain(curve.label), **look)
     if len(lines) > 1 and named:
         axes.legend(frameon=False, fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5))
     elif len(lines) > 1:
@@ -139,11 +138,12 @@ def _activity(figure: Figure, plot: Plot, rows: Sequence[Curve], time: Array) ->
     )[:, 0]
     largest = max((float(np.max(np.abs(c.values))) for c in rows), default=0.0) or 1.0
     signed = any(np.any(c.values < 0) for c in rows)
+    name, seconds = time_unit(float(time[-1] - time[0]))
     edges = np.append(time, time[-1] + (time[-1] - time[-2] if len(time) > 1 else 1.0))
     for axes, port, count in zip(all_axes, ports, counts, strict=True):
         mine = [c for c in rows if c.port == port]
         image = axes.pcolormesh(
-            edges, np.arange(count + 1) + 0.5, np.array([c.values for c in mine]),
+            edges / seconds, np.arange(count + 1) + 0.5, np.array([c.values for c in mine]),
             cmap="RdBu_r" if signed else "Blues", vmin=-largest if signed else 0.0, vmax=largest,
             rasterized=True,
         )  # fmt: skip
@@ -155,9 +155,9 @@ def _activity(figure: Figure, plot: Plot, rows: Sequence[Curve], time: Array) ->
         sums.tick_params(length=0)
     unit = rows[0].unit if rows else ""
     sums_up = "right: ∫|value| dt" + (f" ({unit} s)" if unit else "")
-    all_axes[0].set_title(plain(f"{plot.title}\n{sums_up}"))
-    all_axes[-1].set_xlabel("time (s)")
-    figure.colorbar(image, ax=list(all_axes), label=with_unit("value", unit), pad=0.09)
+    set_title(figure, plot.title, sums_up)
+    all_axes[-1].set_xlabel(f"time ({name})")
+    figure.colorbar(image, ax=list(all_axes), label=value_label(rows, plot.y), pad=0.09)
 
 
 def _integral(values: Array, time: Array) -> float:
@@ -171,14 +171,3 @@ def _compared(plot: Plot, names: Sequence[str], results: Results) -> list[str]:
         what = f"{plot.kind} needs two or more signals {COMPARABLE[plot.kind]}, the last one the "
         raise ValueError(f"{what}reference; found {', '.join(names) or 'none'}")
     return list(names)
-
-
-def _shared(lines: Sequence[Curve]) -> str:
-    """The name of the port if all lines show one port."""
-    names = {c.port.partition(".")[2] or c.port for c in lines}
-    return names.pop().replace("_", " ") if len(names) == 1 else ""
-
-
-def with_unit(name: str, unit: str) -> str:
-    """The label of an axis."""
-    return plain(f"{name} ({unit})" if name and unit else name or unit)

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from .curves import plain
 from .file import Results
+from .labels import set_title
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f3c8d")
 GREY = "#999999"
@@ -45,7 +46,7 @@ def draw_trajectory(figure: Figure, title: str, names: Sequence[str], results: R
     axes.grid(True, color="#dddddd", linewidth=0.6)
     place = {"loc": "upper left", "bbox_to_anchor": (-0.05, 1.0)} if dimensions == 3 else {}
     axes.legend(frameon=False, fontsize="small", **place)
-    axes.set_title(plain(title))
+    set_title(figure, title)
 
 
 def _instance(name: str) -> str:

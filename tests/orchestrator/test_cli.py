@@ -6,6 +6,7 @@ import csv
 import os
 import subprocess
 import sys
+from importlib.metadata import version
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -16,10 +17,11 @@ from .test_run import BLOCKS, LOOP, block
 pytestmark = pytest.mark.usefixtures("fmu_cache")
 
 
-def sightline(*args: str | Path) -> subprocess.CompletedProcess[str]:
+def sightline(*args: str | Path, columns: int = 100) -> subprocess.CompletedProcess[str]:
     done = subprocess.run(
         [sys.executable, "-m", "sightline.orchestrator.cli", *map(str, args)],
-        capture_output=True, text=True, check=False, env={**os.environ, "COLUMNS": "100"},
+        capture_output=True, text=True, check=False,
+        env={**os.environ, "COLUMNS": str(columns)},
     )  # fmt: skip
     assert "Traceback" not in done.stdout + done.stderr
     return done
@@ -42,14 +44,19 @@ def test_run_leaves_results_table_and_figures_and_says_so(system: Path, tmp_path
     done = sightline("run", system, "--out", out, "--csv")
     assert done.returncode == 0
     assert done.stdout == (
-        f"results in {out}: results.h5 (11 samples of 2 signals), results.csv, state-rate.png, "
-        "mine.png\n"
+        f"results in {out}: results.h5 (11 samples of 2 signals), results.csv, results_units.csv, "
+        "state-rate.png, mine.png\n"
     )
     with (out / "results.csv").open(encoding="utf-8") as file:
         rows = list(csv.reader(file))
     assert rows[0] == ["time", "control.y", "plant.x"]
     assert [float(v) for v in rows[1]] == [0.0, -1.0, 1.0]
     assert len(rows) == 12
+    with (out / "results_units.csv").open(encoding="utf-8") as file:
+        units = list(csv.reader(file))
+    assert [row[:2] for row in units] == [
+        ["column", "unit"], ["time", "s"], ["control.y", "m/s"], ["plant.x", "m"],
+    ]  # fmt: skip
     assert all((out / name).stat().st_size > 5000 for name in ("state-rate.png", "mine.png"))
 
 
@@ -182,6 +189,24 @@ def test_info_lists_the_settings_of_the_fmu_and_no_start_of_outputs() -> None:
     assert outputs.split() == ["outputs", "shape", "unit", "frame", "what"]
     for text in ("settings of the FMU", "solver_step", "relative_tolerance"):
         assert text in done.stdout
+
+
+def test_info_tells_start_values_with_all_their_digits() -> None:
+    rows = [x.split() for x in sightline("info", "TwoBodyOrbit").stdout.splitlines()]
+    (parameter,) = (row for row in rows if row[:1] == ["gravitational_parameter"])
+    assert float(parameter[3]) == 3.986004418e14
+    assert ["[0", "7702.726184243932", "0]"] in rows  # on its own below velocity
+
+
+def test_info_of_a_matrix_breaks_between_rows_only() -> None:
+    lines = sightline("info", "FreeRigidBody", columns=60).stdout.splitlines()
+    first = next(i for i, x in enumerate(lines) if x.startswith("inertia ")) + 1
+    assert [x.strip() for x in lines[first : first + 3]] == ["[[1 0 0]", "[0 1 0]", "[0 0 1]]"]
+
+
+def test_version_is_that_of_the_installed_package() -> None:
+    done = sightline("--version")
+    assert (done.returncode, done.stdout) == (0, f"sightline {version('sightline')}\n")
 
 
 def test_info_of_an_unknown_block_names_the_nearest() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import hashlib
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 from sightline.orchestrator.results.file import ResultsWriter, holding, read
+from sightline.orchestrator.results.table import write_csv
 from sightline.orchestrator.system import System
 
 from .conftest import variable
@@ -73,6 +75,29 @@ def test_results_until_a_time_are_cut(system, tmp_path: Path) -> None:
     cut = read(writer.path).until(2.0)
     assert (list(cut.time), cut["q.a"].shape) == ([0.0, 1.0, 2.0], (3, 2))
     assert cut.unit("q.z") == "m"
+
+
+def test_an_unknown_signal_names_the_nearest(system, tmp_path: Path) -> None:
+    with ResultsWriter(tmp_path, system.graph, system.selection.recorded, "") as writer:
+        pass
+    results = read(writer.path)
+    told = r'^the results hold no signal "q.zz"; did you mean .*q.z.*\?$'
+    for asked in (results.__getitem__, results.unit):
+        with pytest.raises(KeyError, match=told):
+            asked("q.zz")
+
+
+def test_table_has_numbers_below_its_header_and_units_beside_it(system, tmp_path: Path) -> None:
+    signals = system.selection.recorded
+    with ResultsWriter(tmp_path, system.graph, signals, "") as writer:
+        writer.append(np.array([0.0, 0.5]), rows(2))
+    table, units = write_csv(writer.path, signals)
+    found = np.genfromtxt(table, delimiter=",", names=True, deletechars="")
+    np.testing.assert_array_equal(found["time"], [0.0, 0.5])
+    with units.open(encoding="utf-8") as file:
+        told = {row["column"]: row["unit"] for row in csv.DictReader(file)}
+    assert tuple(told) == found.dtype.names
+    assert (told["time"], told["q.z"], told["q.a[2]"]) == ("s", "m", "")
 
 
 def test_fmus_are_kept_by_the_content_of_their_files(system, tmp_path: Path) -> None:
