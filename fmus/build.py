@@ -8,15 +8,16 @@ from __future__ import annotations
 
 import hashlib
 import os
-import shutil
 from collections.abc import Callable, Mapping, Sequence
 from importlib.metadata import version
+from os.path import isfile  # which answers for whatever is no path, too
 from pathlib import Path
 from typing import Literal, TypeAlias
 
 import platformdirs
 
 from ..components.component import Component
+from .archive import complete
 from .errors import BuildError
 from .load import load_block
 from .model import Model, model_of
@@ -53,7 +54,7 @@ def build(
     python. ``platforms``: of a native FMU, None for this machine's. ``out``: a folder that gets a
     copy named after the block; None leaves the FMU in the cache. ``begun`` is called if it is
     really built, ``note`` with the reason if the FMU is a Python one although there is a compiler.
-    Raises BuildError with every reason.
+    Raises BuildError with every reason, OSError if ``out`` cannot be written to.
     """
     block = load_block(component, structure)
     if target == "python" and fmi != 2:
@@ -68,14 +69,19 @@ def build(
     if isinstance(traced, TracingError):
         note(f"{block.name} runs as a Python FMU, slower: {traced.reason}")
     cached = _cached(block, target, fmi, platforms)
-    if not cached.is_file():
+    if not isfile(cached):
         begun()
         model = describe(component, block, target, traced)
-        _write(model, target, fmi, platforms, cached)
+        try:
+            _write(model, target, fmi, platforms, cached)
+        except OSError as error:
+            raise BuildError(component, [_unwritable(error)]) from None
     if out is None:
         return cached
-    out.mkdir(parents=True, exist_ok=True)
-    return Path(shutil.copyfile(cached, out / f"{block.name}.fmu"))
+    copy, content = out / f"{block.name}.fmu", cached.read_bytes()
+    with complete(copy) as stream:
+        stream.write(content)
+    return copy
 
 
 def describe(
@@ -114,6 +120,14 @@ def _write(
         build_native(model, fmi=fmi, platforms=platforms, out=path)
 
 
+def _unwritable(error: OSError) -> str:
+    folder = error.filename or "the folder of temporary files"
+    if folder == str(cache_folder()):
+        folder = f"the cache of FMUs, {folder}"
+    remedy = "SIGHTLINE_CACHE and TMPDIR name other folders"
+    return f"cannot write to {folder}: {error.strerror or error}; {remedy}"
+
+
 def _traced(block: Component) -> Traced:
     try:
         return trace(block)
@@ -127,7 +141,7 @@ def _default_target(block: Component) -> tuple[Target, Traced | None]:
 
     if not compiler_available():
         return "python", None
-    if _cached(block, "native", 2, None).is_file():
+    if isfile(_cached(block, "native", 2, None)):
         return "native", None
     traced = _traced(block)
     return "python" if isinstance(traced, TracingError) else "native", traced

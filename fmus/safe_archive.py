@@ -2,9 +2,10 @@
 
 Every file that the project opens goes through here, before anything in it is executed. What is
 refused, by the name of the problem: names that leave the folder, links, members that are
-encrypted, damaged or repeated, archives that grow beyond all measure, XML with a document type
-(entities), of another encoding or nested without end, binaries that are not of the platform whose
-folder they lie in, and a description that asks for what the binary does not offer.
+encrypted, damaged, repeated or both file and folder, archives that grow beyond all measure, XML
+with a document type (entities), of another encoding or nested without end, identifiers that are
+paths, binaries that are not of the platform whose folder they lie in, and a description that asks
+for what the binary does not offer.
 
 A leaf: the standard library only, so that verification and the orchestrator can share it.
 """
@@ -12,10 +13,12 @@ A leaf: the standard library only, so that verification and the orchestrator can
 from __future__ import annotations
 
 import stat
+import unicodedata
 import zipfile
 import zlib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path, PurePosixPath
 from typing import IO
 
@@ -36,7 +39,8 @@ class Limits:
     member_bytes: int = 1 << 30
     total_bytes: int = 4 << 30
     ratio: float = 400.0  # unpacked to packed, of members over a megabyte
-    name_length: int = 1024
+    name_bytes: int = 1024
+    part_bytes: int = 255  # of a file or folder's own name, as file systems have it
     xml_bytes: int = 64 << 20
 
 
@@ -76,9 +80,21 @@ def inspect(path: Path, limits: Limits = Limits()) -> list[ArchiveProblem]:
 
 
 def extract(path: Path, folder: Path, limits: Limits = Limits()) -> None:
-    """Unpack an archive that has nothing wrong. Raises UnsafeArchiveError, with nothing written."""
+    """Unpack an archive that has nothing wrong.
+
+    Raises UnsafeArchiveError: with nothing written if it is refused, with a part of it if the
+    folder cannot take it all.
+    """
     if problems := inspect(path, limits):
         raise UnsafeArchiveError(path, problems)
+    try:
+        _unpack(path, folder)
+    except OSError as error:
+        detail = f"cannot be unpacked to {folder}: {error.strerror or error}"
+        raise UnsafeArchiveError(path, [ArchiveProblem("not unpacked", "", detail)]) from None
+
+
+def _unpack(path: Path, folder: Path) -> None:
     root = folder.resolve()
     with zipfile.ZipFile(path) as archive:
         for info in archive.infolist():
@@ -102,20 +118,38 @@ def _container(archive: zipfile.ZipFile, limits: Limits) -> Iterator[ArchiveProb
     if total > limits.total_bytes:
         detail = f"unpacks to {total:,} bytes, at most {limits.total_bytes:,}"
         yield ArchiveProblem("bomb", "", detail)
-    seen: dict[str, str] = {}
     end, last = 0, ""
     for info in sorted(members, key=lambda m: m.header_offset):
         if info.header_offset < end:
             yield ArchiveProblem("bomb", info.filename, f"overlaps {last} in the archive")
         end, last = info.header_offset + 30 + info.compress_size, info.filename
     for info in members:
-        name = info.orig_filename
-        if (folded := name.casefold()) in seen:
-            yield ArchiveProblem("repeated", name, f"the same file as {seen[folded]}")
-        seen[folded] = name
         yield from _member(info, limits)
+    yield from _clashes(info.orig_filename for info in members)
     if DESCRIPTION not in archive.namelist():
         yield ArchiveProblem("no description", "", f"is not an FMU: it has no {DESCRIPTION}")
+
+
+def _clashes(names: Iterable[str]) -> Iterator[ArchiveProblem]:
+    """Names that are one on some platform, and files that are folders of other members, too."""
+    # in this order what lies in a folder comes right after it
+    ordered = sorted((place, name) for name in names if (place := _place(name)))
+    for (above, first), (place, second) in pairwise(ordered):
+        if place[: len(above)] != above:
+            continue
+        file = not first.endswith("/")
+        if place == above and file is not second.endswith("/"):
+            yield ArchiveProblem("repeated", second[:80], f"the same file as {first[:80]}")
+        elif place == above or file:
+            detail = f"is a file and a folder: {second[:80]}"
+            yield ArchiveProblem("file and folder", first[:80], detail)
+
+
+def _place(name: str) -> tuple[str, ...]:
+    """Parts of a path, the same for names that Windows or macOS takes for the same."""
+    folded = unicodedata.normalize("NFC", unicodedata.normalize("NFC", name).casefold())
+    parts = (part.partition(":")[0].rstrip(" .") for part in folded.split("/"))
+    return tuple(part for part in parts if part)
 
 
 def _member(info: zipfile.ZipInfo, limits: Limits) -> Iterator[ArchiveProblem]:
@@ -140,16 +174,22 @@ def _member(info: zipfile.ZipInfo, limits: Limits) -> Iterator[ArchiveProblem]:
 
 
 def _name_problem(name: str, limits: Limits) -> str:
-    if not name or len(name) > limits.name_length:
-        return f"its name has {len(name)} characters"
+    size = len(name.encode())
+    if not 0 < size <= limits.name_bytes:
+        return f"its name has {size} bytes, 1 to {limits.name_bytes} are allowed"
     if any(ord(c) < 32 or ord(c) == 127 for c in name):
         return "its name has control characters"
     if "\\" in name:
         return "its name has a backslash; FMI asks for forward slashes"
     if name.startswith("/") or (len(name) > 1 and name[1] == ":"):
         return "its name is absolute"
-    if ".." in PurePosixPath(name).parts:
+    parts = name.removesuffix("/").split("/")
+    if ".." in parts:
         return "its name leads out of the folder"
+    if "" in parts or "." in parts:
+        return "its name has an empty part or '.', so that it may stand for another member"
+    if (longest := max(len(part.encode()) for part in parts)) > limits.part_bytes:
+        return f"a part of its name has {longest} bytes, at most {limits.part_bytes}"
     return ""
 
 

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from xml.parsers import expat
 
 MAX_DEPTH = 64
+MAX_IDENTIFIER = 200  # bytes, of the 255 that a file name with its extension may have
+INTERFACES = ("CoSimulation", "ModelExchange", "ScheduledExecution")
 BOMS = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE, codecs.BOM_UTF32_LE, codecs.BOM_UTF32_BE)
 DECLARED = re.compile(rb"""^\s*<\?xml[^>]*?encoding\s*=\s*["']([^"']*)["']""")
 
@@ -26,7 +28,10 @@ class _RefusedError(Exception):
 
 
 def xml_problem(content: bytes) -> str:
-    """Why the XML is refused; empty if it is well-formed, in UTF-8 and without a document type."""
+    """Why the XML is refused; empty if it is well-formed, in UTF-8 and without a document type.
+
+    Identifiers of models become file names: those that would lead elsewhere are refused, too.
+    """
     if content.startswith(BOMS) or b"\0" in content[:4]:
         return "is in UTF-16 or UTF-32; FMI asks for UTF-8"
     declared = DECLARED.match(content.removeprefix(codecs.BOM_UTF8))
@@ -53,7 +58,7 @@ def read_head(content: bytes) -> Head:
 
 
 def _parse(content: bytes, head: Head | None) -> None:
-    parser = expat.ParserCreate()
+    parser = expat.ParserCreate(namespace_separator=" ")
     depth = 0
 
     def doctype(*_: object) -> None:
@@ -64,6 +69,8 @@ def _parse(content: bytes, head: Head | None) -> None:
         depth += 1
         if depth > MAX_DEPTH:
             raise _RefusedError(f"is nested deeper than {MAX_DEPTH} elements")
+        if depth <= 2 and (problem := _identifier_problem(name, attributes)):
+            raise _RefusedError(problem)
         if head is not None and depth == 1:
             head.version = attributes.get("fmiVersion", "")
             head.model = attributes.get("modelName", "")
@@ -78,3 +85,18 @@ def _parse(content: bytes, head: Head | None) -> None:
     parser.StartElementHandler = start
     parser.EndElementHandler = end
     parser.Parse(content, True)
+
+
+def _identifier_problem(element: str, attributes: dict[str, str]) -> str:
+    """Why an element's identifier cannot be the name of a file, which the binary's is."""
+    identifier = attributes.get("modelIdentifier")
+    if identifier is None:
+        return f"{element} has no modelIdentifier" if element in INTERFACES else ""
+    if not identifier:
+        return f"the modelIdentifier of {element} is empty"
+    if len(identifier.encode()) > MAX_IDENTIFIER:
+        return f"the modelIdentifier of {element} has more than {MAX_IDENTIFIER} bytes"
+    if identifier in (".", "..") or any(c in "/\\:" or not c.isprintable() for c in identifier):
+        asked = "FMI asks for letters, digits and underscores"
+        return f"the modelIdentifier of {element} is a path, {identifier[:80]!r}; {asked}"
+    return ""

@@ -7,6 +7,7 @@ import importlib.util
 import inspect
 import re
 import sys
+from keyword import iskeyword
 from pathlib import Path
 
 from ..components.component import Component
@@ -20,14 +21,14 @@ def block_module(cls: type[Component]) -> str:
     module = cls.__module__
     if module.startswith(f"{ROOT}."):
         return module.removeprefix(f"{ROOT}.")
-    return f"user.{Path(inspect.getfile(cls)).stem}"
+    return f"user.{_own_name(Path(inspect.getfile(cls)))}"
 
 
 def block_sources(cls: type[Component]) -> dict[str, bytes]:
     """Files of a package that can run the block with numpy only: relative path -> content.
 
-    A user's own file is taken along as ``user/<name>.py``, its imports of ``sightline`` turned
-    to the copy beside it.
+    A user's own file is taken along as ``user/<name>.py``, or a similar name if it cannot be
+    imported by its own, its imports of ``sightline`` turned to the copy beside it.
     """
     files: dict[str, bytes] = {}
     modules = [CORE, *(c.__module__ for c in cls.__mro__ if issubclass(c, Component))]
@@ -40,7 +41,7 @@ def _add(module: str, files: dict[str, bytes]) -> None:
     if not module.startswith(f"{ROOT}."):
         source = Path(inspect.getfile(sys.modules[module]))
         own = source.read_text(encoding="utf-8")
-        files[f"user/{source.stem}.py"] = _relative(own).encode()
+        files[f"user/{_own_name(source)}.py"] = _relative(own).encode()
         files["user/__init__.py"] = b""
         for name in _imported(own, "user"):
             _add(name, files)
@@ -58,6 +59,14 @@ def _add(module: str, files: dict[str, bytes]) -> None:
     _add(module.rpartition(".")[0], files) if module.count(".") > ROOT.count(".") + 1 else None
     for imported in _imported(content.decode(), module if package else module.rpartition(".")[0]):
         _add(imported, files)
+
+
+def _own_name(source: Path) -> str:
+    """The name of the module that a user's file becomes."""
+    name = source.stem
+    if name.isascii() and name.isidentifier() and not iskeyword(name) and name != "__init__":
+        return name
+    return "own_" + re.sub(r"[^0-9A-Za-z]", "_", name)
 
 
 def _relative(source: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 import sys
 from enum import StrEnum
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Annotated
 
 import typer
 
+from .errors import NO_ROOM
 from .exit_codes import FAILED, STOPPED
 
 app = typer.Typer(
@@ -226,6 +228,13 @@ def main() -> None:
         sys.exit(STOPPED)
     except BrokenPipeError:
         sys.stderr.close()
+        sys.exit(FAILED)
+    except OSError as error:
+        if error.errno not in NO_ROOM:
+            raise
+        typer.echo(f"cannot write: {error.strerror}", err=True)
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stdout.fileno())  # or Python tries again, and complains, at its end
         sys.exit(FAILED)
 
 

@@ -15,7 +15,7 @@ Show = Callable[[float], None]
 @contextmanager
 def bar(start: float, stop: float, console: Console | None = None) -> Iterator[Show]:
     """Gives a function to call with the simulated time now and then; silent without terminal."""
-    console = console or Console(stderr=True)
+    console = console or Console(stderr=True, emoji=False)
     if not console.is_terminal:
         yield lambda _: None
         return

@@ -57,17 +57,20 @@ class System:
         path: str | Path,
         overrides: Mapping[str, Any] | None = None,
         say: Say = lambda _: None,
+        isolate: bool = False,
     ) -> System:
         """Read, build and check a system.
 
         ``overrides``: ``instance.name``, ``simulation.step`` or the count ``repeat.i`` -> value.
+        ``isolate``: every FMU in a process of its own, as :meth:`isolated`.
         Raises ConfigError with every problem that can be found.
         """
         asked = overrides or {}
         tables = {k: v for k, v in asked.items() if k.partition(".")[0] in SETTABLE}
-        loaded, problems = load(Path(path), tables)
+        loaded, problems = load(Path(path), tables, isolate)
         rest = {k: v for k, v in asked.items() if k not in tables}
-        return cls._checked(loaded, problems, rest, say)
+        system = cls._checked(loaded, problems, rest, say)
+        return system.isolated() if isolate else system
 
     @classmethod
     def from_data(

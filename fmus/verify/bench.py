@@ -8,8 +8,8 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,7 @@ from .findings import CheckResult, Finding, Report, Verdict
 from .registry import Check, selected
 
 ARCHIVE = "archive"
+PATIENCE = 5.0  # s until the process of the checks must have ended
 OnResult = Callable[[CheckResult], None]
 OnStart = Callable[[Path, str], None]  # the file, and the check that begins
 
@@ -51,26 +52,39 @@ class Workshop:
             process = self._process = subprocess.Popen(
                 [sys.executable, "-P", "-m", f"{__package__}.child"],
                 stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, encoding="utf-8",
+                start_new_session=True,  # Ctrl-C is for the command: it ends this process
             )  # fmt: skip
         assert process.stdin is not None
         assert process.stdout is not None
-        process.stdin.write(json.dumps(job) + "\n")
-        process.stdin.flush()
-        line = process.stdout.readline()
-        if not line:
-            return {"lost": [{"ended": "exit", "code": process.wait(), "trial": "", "call": "",
-                              "output": ""}]}
-        answer: dict[str, Any] = json.loads(line)
-        return answer
+        end: dict[str, Any] = {"trial": "", "call": "", "output": ""}
+        try:
+            process.stdin.write(json.dumps(job) + "\n")
+            process.stdin.flush()
+            if line := process.stdout.readline():
+                answer: dict[str, Any] = json.loads(line)
+                return answer
+        except BrokenPipeError:
+            pass  # lost between two jobs
+        except ValueError:
+            self.close()
+            return {"lost": [end | {"ended": "garbage"}]}
+        code = process.wait()
+        kind = "signal" if code < 0 else "exit"
+        return {"lost": [end | {"ended": kind, "code": abs(code)}]}
 
     def close(self) -> None:
         """End the process."""
         if self._process is not None:
             assert self._process.stdin is not None
             assert self._process.stdout is not None
-            self._process.stdin.close()
+            with suppress(BrokenPipeError):
+                self._process.stdin.close()
             self._process.stdout.close()
-            self._process.wait()
+            try:
+                self._process.wait(PATIENCE)
+            except subprocess.TimeoutExpired:
+                self._process.kill()
+                self._process.wait()
             self._process = None
 
 
@@ -93,7 +107,7 @@ def verify(
     files: Iterable[Path], options: Options = Options(),
     on_result: OnResult = lambda result: None, shop: Workshop | None = None,
     on_start: OnStart = lambda file, check: None,
-) -> Iterator[Report]:  # fmt: skip
+) -> Generator[Report, None, None]:  # fmt: skip
     """Reports of FMU files, one after the other. Raises KeyError for a check that there is not.
 
     Files of the same model are compared with each other.
@@ -161,12 +175,16 @@ def _run(
 def _loss(check: Check, end: dict[str, Any]) -> Finding:
     """How a process ended, as a finding."""
     where = ", ".join(filter(None, (end["trial"], end["call"]))) or "before the first call"
+    if end["ended"] == "garbage":
+        where = "open files"  # which may hold the trace as well
     return Finding(check.name, where, "", _ending(end))
 
 
 def _ending(end: dict[str, Any]) -> str:
     if end["ended"] == "time":
         return f"did not come back within {end['seconds']:.3g} s"
+    if end["ended"] == "garbage":
+        return "wrote into the bench's own channel, where only the result of the check belongs"
     output = end["output"].strip()
     said = f"; its last words: {output.splitlines()[-1][:200]}" if output else ""
     if end["ended"] == "signal":

@@ -1,9 +1,11 @@
 """The process in which FMUs run: takes jobs as lines of JSON, answers each with a line of JSON.
 
 Each job is one check of one FMU, in a process of its own: a fork of this one, which has everything
-imported already, or a new one where there is no fork. What the FMU prints goes to a file, and so
-does what it is doing. Where a process is lost in one of several trials of a check, the check runs
-again without that trial, so that one crash does not hide the others.
+imported already, or a new one where there is no fork. A fork leads a session of its own: at its
+end, or when its time is over or this process is to end, everything that it started is killed. What
+the FMU prints goes to a file, and so does what it is doing. Where a process is lost in one of
+several trials of a check, the check runs again without that trial, so that one crash does not hide
+the others.
 """
 
 from __future__ import annotations
@@ -14,7 +16,6 @@ import importlib
 import json
 import os
 import select
-import signal
 import subprocess
 import sys
 import tempfile
@@ -28,12 +29,20 @@ from ..units import unit
 from .driver import NoInstance
 from .findings import CheckResult, Verdict
 from .lab import Lab
+from .processes import adopt_orphans, die_with_parent, end_group, end_orphans
 from .registry import Check, NotApplicable, Notes, checks
-from .session import Ended, Refused
+from .session import Ended, NotFinite, Refused
 from .subject import Subject
 from .trace import Trace, last
 
 LOST = 8  # processes lost in trials of one check before it is given up
+LOOK = 0.02  # s between looks whether the process of a check is still there
+ANSWER = 1 << 24  # bytes; no answer is as long
+GARBAGE = {"ended": "garbage"}
+
+
+class Abandoned(Exception):
+    """Whoever asks for jobs is gone."""
 
 
 def main() -> None:
@@ -45,12 +54,18 @@ def main() -> None:
         return
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
+    die_with_parent()
+    adopt_orphans()
     checks()
     _import_what_fmus_import()
     for line in sys.stdin:
         job = json.loads(line)
         _prepare(job)
-        answers.write(json.dumps(_serve(job)) + "\n")
+        try:
+            served = _serve(job)
+        except Abandoned:
+            return
+        answers.write(json.dumps(served) + "\n")
         answers.flush()
 
 
@@ -82,7 +97,7 @@ def _serve(job: dict[str, Any]) -> dict[str, Any]:
         if "result" in answer:
             return answer | {"lost": lost}
         lost.append(answer)
-        if not answer["trial"]:
+        if answer["trial"] in ("", *skipped) or answer["ended"] == "garbage":
             break
     return {"lost": lost}
 
@@ -95,42 +110,75 @@ def _attempt(job: dict[str, Any]) -> dict[str, Any]:
         runner = _fork if hasattr(os, "fork") else _spawn
         text, answer = runner(job, time.monotonic() + job["seconds"])
         if text and "ended" not in answer:
-            return {"result": json.loads(text)}
+            try:
+                return {"result": _validated(job, text)}
+            except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+                answer = dict(GARBAGE)
         trial, call = last(Path(scratch) / "trace")
         output = Path(scratch) / "output"
         said = output.read_text(errors="replace")[-2000:] if output.exists() else ""
         return answer | {"trial": trial, "call": call, "output": said, "seconds": job["seconds"]}
 
 
+def _validated(job: dict[str, Any], text: str) -> dict[str, Any]:
+    """What the check wrote, if it is a result. Raises an error if the FMU wrote into the pipe."""
+    result = CheckResult.from_json(json.loads(text))
+    if result.check != job["check"]:
+        raise ValueError(result.check)
+    return result.to_json()
+
+
 def _fork(job: dict[str, Any], deadline: float) -> tuple[str, dict[str, Any]]:
     reader, writer = os.pipe()
     pid = os.fork()
     if pid == 0:
-        os.close(reader)
-        _quietly(Path(job["scratch"]))
         try:
+            os.setsid()
+            die_with_parent()
+            _quietly(Path(job["scratch"]))
+            os.closerange(3, writer)  # an FMU must not reach the pipes of this process
+            os.closerange(writer + 1, writer + 64)
             _do(job, writer)
         except BaseException:
             traceback.print_exc()  # a mistake of the bench: the report ends with its last line
         finally:
             os._exit(0)
     os.close(writer)
-    parts: list[bytes] = []
-    ended: dict[str, Any] = {"ended": "time"}
-    while (left := deadline - time.monotonic()) > 0:
-        if select.select([reader], [], [], left)[0]:
-            part = os.read(reader, 1 << 16)
-            if not part:
-                ended = {}
-                break
-            parts.append(part)
-    if ended:
-        os.kill(pid, signal.SIGKILL)
-    os.close(reader)
-    code = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
-    if not ended and not parts:
-        ended = {"ended": "signal" if code < 0 else "exit", "code": abs(code)}
-    return b"".join(parts).decode(), ended
+    try:
+        data, code = _await(pid, reader, deadline)
+    finally:
+        os.close(reader)
+        end_group(pid)
+        end_orphans()
+    if code is None:
+        return "", {"ended": "time"}
+    if len(data) > ANSWER:
+        return "", dict(GARBAGE)
+    if not data:
+        return "", {"ended": "signal" if code < 0 else "exit", "code": abs(code)}
+    return data.decode(errors="replace"), {}
+
+
+def _await(pid: int, reader: int, deadline: float) -> tuple[bytes, int | None]:
+    """What a process writes until it ends, and its exit code; None if its time is over.
+
+    Its own end counts, not that of the pipe, which others may hold open. Raises Abandoned.
+    """
+    data = bytearray()
+    pipe_open, ended, status = True, 0, 0
+    while (left := deadline - time.monotonic()) > 0 and len(data) <= ANSWER:
+        if not ended:
+            ended, status = os.waitpid(pid, os.WNOHANG)
+        wait = 0.0 if ended else min(left, LOOK if pipe_open else 0.001)
+        ready = select.select([reader, 0] if pipe_open else [0], [], [], wait)[0]
+        if 0 in ready:  # no job comes before this one is answered: it is the end of the input
+            raise Abandoned
+        part = os.read(reader, 1 << 16) if ready else b""
+        data += part
+        pipe_open = pipe_open and not (ready and not part)
+        if ended and not part:
+            return bytes(data), os.waitstatus_to_exitcode(status)
+    return bytes(data), 0 if len(data) > ANSWER else None
 
 
 def _quietly(scratch: Path) -> None:
@@ -198,6 +246,8 @@ def _judge(check: Check, notes: Notes, job: dict[str, Any], trace: Trace) -> tup
     except Ended as error:
         if not notes.findings:
             return Verdict.NOT_APPLICABLE, f"{error}, too early for this check"
+    except NotFinite as error:
+        notes.wrong(error.action, error.found, "finite values, or an error status")
     except Refused as error:
         notes.wrong(error.action, error.found, "status OK")
     except NoInstance as error:

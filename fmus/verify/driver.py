@@ -18,6 +18,7 @@ import numpy as np
 from .subject import Array, Subject, Variable
 from .trace import Trace
 
+MESSAGE, MESSAGES = 300, 100  # bytes of a log message, and messages, that are kept
 OK, WARNING, DISCARD, ERROR, FATAL, PENDING = range(6)
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 Handle: TypeAlias = ctypes.c_void_p
@@ -72,6 +73,12 @@ class Driver(ABC):
         self.freed = False
         self.functions: Any = self._load()
         self.component: Any = None
+
+    def said(self, status: int, category: bytes | None, text: bytes | None) -> None:
+        """Keep a log message; the latest if there are too many, the beginning of a long one."""
+        words = ((b or b"")[:MESSAGE].decode(errors="replace") for b in (category, text))
+        self.log.append(Message(status, *words))
+        del self.log[:-MESSAGES]
 
     def call(self, function: str, *arguments: Any, note: str = "") -> int:
         """Call a function on this instance by its name without prefix; the status."""

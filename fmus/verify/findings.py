@@ -8,6 +8,18 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
+LONGEST = 400  # characters of each part of a finding
+
+
+def visible(text: str) -> str:
+    """Text with what does not print (control, bidi and the like) escaped, so that it shows."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
+def shortened(text: str) -> str:
+    """The beginning of a text that is too long for a report."""
+    return text if len(text) <= LONGEST else text[:LONGEST] + " …"
+
 
 class Verdict(StrEnum):
     """How a check ended."""
@@ -31,7 +43,7 @@ class Finding:
         text = f"{self.where}: {self.found}"
         if self.expected:
             text += f"; expected {self.expected}"
-        return f"{text}; {self.remedy}" if self.remedy else text
+        return visible(f"{text}; {self.remedy}" if self.remedy else text)
 
 
 @dataclass(frozen=True)

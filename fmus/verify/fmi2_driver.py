@@ -10,7 +10,7 @@ import fmpy
 import numpy as np
 from fmpy import fmi2 as api
 
-from .driver import DISCARD, Driver, EventInfo, Message, Values, reals, references_of
+from .driver import DISCARD, Driver, EventInfo, Values, reals, references_of
 from .subject import Array, Variable
 
 
@@ -29,9 +29,7 @@ class Driver2(Driver):
 
     def _instantiate(self, token: str) -> Any:
         def message(_env: Any, _name: bytes, status: int, category: bytes, text: bytes) -> None:
-            if len(self.log) < 1000:
-                words = (b or b"" for b in (category, text))
-                self.log.append(Message(status, *(w.decode(errors="replace") for w in words)))
+            self.said(status, category, text)
 
         callbacks = api.fmi2CallbackFunctions()
         callbacks.logger = api.fmi2CallbackLoggerTYPE(message)

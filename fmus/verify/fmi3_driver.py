@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from fmpy import fmi3 as api
 
-from .driver import Driver, EventInfo, Message, Values, good, reals, references_of
+from .driver import Driver, EventInfo, Values, good, reals, references_of
 from .subject import Array, Variable
 
 CTYPES = {
@@ -36,9 +36,7 @@ class Driver3(Driver):
 
     def _instantiate(self, token: str) -> Any:
         def message(_env: Any, status: int, category: bytes, text: bytes) -> None:
-            if len(self.log) < 1000:
-                words = (b or b"" for b in (category, text))
-                self.log.append(Message(status, *(w.decode(errors="replace") for w in words)))
+            self.said(status, category, text)
 
         self._logger = api.fmi3LogMessageCallback(message)  # must live as long as the instance
         resources = str((self.subject.folder / "resources").resolve()) + "/"

@@ -14,7 +14,7 @@ from .excitation import AMPLITUDES, Excitation
 from .fmi2_driver import Driver2
 from .fmi3_driver import Driver3
 from .registry import NotApplicable
-from .session import Ended, Refused, Session
+from .session import Ended, NotFinite, Refused, Session
 from .subject import Array, Subject, Variable
 from .trace import Trace
 
@@ -103,6 +103,8 @@ class Lab:
             course = Excitation(self.subject, amplitude, seed)
             try:
                 self.trajectory(self.session("probe"), course)
+            except NotFinite:
+                raise
             except (Refused, Ended):
                 if amplitude == AMPLITUDES[-1]:
                     raise
@@ -161,8 +163,12 @@ def first_difference(names: Sequence[str], a: Array, b: Array) -> str:
 
 
 def deviation(a: Array, b: Array, nominal: Array) -> tuple[float, int]:
-    """Largest difference relative to the size of each column, and the column."""
+    """Largest difference relative to the size of each column, and the column.
+
+    A difference that is no number counts as infinite.
+    """
     size = np.maximum(np.maximum(np.max(np.abs(a), axis=0), np.max(np.abs(b), axis=0)), nominal)
     error = np.max(np.abs(a - b), axis=0) / np.where(size > 0.0, size, 1.0)
+    error = np.where(np.isfinite(error), error, np.inf)
     column = int(np.argmax(error)) if error.size else 0
     return (float(error[column]) if error.size else 0.0), column

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from importlib import import_module
 from typing import TYPE_CHECKING, TypeAlias
 
-from .findings import Finding
+from .findings import Finding, shortened
 
 if TYPE_CHECKING:
     from .lab import Lab
@@ -33,7 +33,8 @@ class Notes:
     def wrong(self, where: str, found: str, expected: str = "", remedy: str = "") -> None:
         """Note something that does not hold."""
         if len(self.findings) < self.limit:
-            self.findings.append(Finding(self.check, where, expected, found, remedy))
+            parts = map(shortened, (where, expected, found, remedy))
+            self.findings.append(Finding(self.check, *parts))
 
 
 Function: TypeAlias = "Callable[[Lab, Notes], None]"

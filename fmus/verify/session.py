@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from .driver import Driver, good, status_name
-from .subject import Array, Variable
+from .subject import Array, Variable, names_of
 
 SUBSTEPS = 10  # of RK4 in one step of model exchange
 ZERO = 1e-9  # of a step: nearer events are at the same instant
@@ -22,6 +22,13 @@ class Refused(Exception):
     def __init__(self, action: str, found: str) -> None:
         super().__init__(f"{action}: {found}")
         self.action, self.found = action, found
+
+
+class NotFinite(Refused):
+    """Values that are not finite came with status OK: no smaller inputs excuse that."""
+
+    def __init__(self, action: str, what: str = "values") -> None:
+        super().__init__(action, f"{what} not finite, with status OK")
 
 
 class Ended(Exception):
@@ -76,9 +83,12 @@ class Session:
             self.must(self.driver.set(self.subject.inputs, inputs), "setting the inputs")
 
     def read(self, variables: Sequence[Variable]) -> Array:
-        """Values of variables."""
+        """Values of variables. Raises Refused, NotFinite."""
         status, values = self.driver.get(variables)
         self.must(status, "reading the variables")
+        if not np.all(finite := np.isfinite(values)):
+            names = np.array(names_of(variables))[~finite]
+            raise NotFinite(f"reading the variables at {self.time:g} s", ", ".join(names[:4]))
         return values
 
     def step(self, h: float, time: float | None = None) -> None:
@@ -145,7 +155,7 @@ class Session:
         status, rates = self.driver.get_rates(n)
         self.must(status, "reading the derivatives")
         if not np.all(np.isfinite(rates)):
-            raise Refused("reading the derivatives", "status OK and values that are not finite")
+            raise NotFinite("reading the derivatives")
         return rates
 
     def leave_event_mode(self) -> None:
@@ -162,5 +172,7 @@ class Session:
                 break
         else:
             raise Refused("updating discrete states", "asked for again a hundred times")
+        if info.next_time is not None and np.isnan(info.next_time):
+            raise NotFinite("updating discrete states", "the time of the next event is")
         self._next_event = info.next_time
         self.must(self.driver.call("EnterContinuousTimeMode"), "entering continuous time")

@@ -17,6 +17,8 @@ import numpy as np
 from fmpy.model_description import read_model_description
 from numpy.typing import NDArray
 
+from ..safe_description import size_problems
+
 Array = NDArray[np.float64]
 FLOATS = ("Real", "Float64", "Float32")
 INTEGERS = {
@@ -88,10 +90,15 @@ class Unknown:
 
 
 class Subject:
-    """An FMU under test. ``folder`` holds the unpacked archive."""
+    """An FMU under test. ``folder`` holds the unpacked archive.
+
+    Raises ValueError for variables of more values than can be allocated.
+    """
 
     def __init__(self, path: Path, folder: Path) -> None:
         self.path, self.folder = path, folder
+        if problems := size_problems(ET.parse(folder / "modelDescription.xml").getroot()):
+            raise ValueError("; ".join(problems))
         self.description: Any = read_model_description(str(folder), validate=False)
         self.version = int(self.description.fmiVersion[0])
         own = [v for v in self.description.modelVariables if getattr(v, "alias", None) is None]

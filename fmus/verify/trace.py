@@ -28,7 +28,7 @@ class Trace:
 def last(path: Path) -> tuple[str, str]:
     """The last trial and the last call; empty if there was none."""
     data = path.read_bytes() if path.exists() else b""
-    trial, call = (half.rstrip(b"\0").decode(errors="ignore")
+    trial, call = (half.partition(b"\0")[0].decode(errors="ignore")
                    for half in (data[:BYTES], data[BYTES:]))
     return trial, call
 

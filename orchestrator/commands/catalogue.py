@@ -11,11 +11,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from rich.console import Console
 
 from ..exit_codes import DONE, FAILED, MISUSED
+from .terminal import console as terminal
+from .terminal import unwritable
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from ...components.component import Component
 
 NUMBER = re.compile(r"[0-9]{1,9}")
@@ -30,7 +33,7 @@ def list_blocks() -> None:
     """Print the blocks by family, one line each."""
     from ...components import catalogue
 
-    console = Console(highlight=False, soft_wrap=True)
+    console = terminal()
     families = catalogue.families()
     width = max((len(name) for blocks in families.values() for name in blocks), default=0)
     for family, blocks in families.items():
@@ -48,9 +51,9 @@ def info(name: str) -> int:
     try:
         block = load_block(name)
     except BuildError as error:
-        Console(stderr=True, highlight=False, soft_wrap=True).print(str(error), markup=False)
+        terminal(stderr=True).print(str(error), markup=False)
         return MISUSED
-    console = Console(highlight=False)
+    console = terminal()
     console.print(block.name, style="bold")
     console.print(inspect.getdoc(type(block)) or "", markup=False, soft_wrap=True)
     _structure(console, block)
@@ -75,8 +78,8 @@ def build(
     from ...fmus.build import build as build_fmu
     from ...fmus.errors import BuildError
 
-    console = Console(highlight=False, soft_wrap=True)
-    errors = Console(stderr=True, highlight=False, soft_wrap=True)
+    console = terminal()
+    errors = terminal(stderr=True)
     sizes = _sizes(structure)
     wrong = [t for t in (target,) if t not in (None, "python", "native")]
     if sizes is None or wrong:
@@ -98,6 +101,9 @@ def build(
         except BuildError as error:
             errors.print(str(error), markup=False)
             code = FAILED
+        except OSError as error:
+            errors.print(unwritable(out, error), markup=False)
+            return FAILED
         else:
             console.print(f"{path} ({path.stat().st_size / 1000:.0f} kB)", markup=False)
     return code

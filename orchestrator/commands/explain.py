@@ -5,19 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from rich.console import Console
-
 from ..errors import ConfigError
 from ..exit_codes import DONE, FAILED, MISUSED
 from ..explain.explanation import explain
 from ..explain.text import text
 from ..system import System
 from .run import overrides
+from .terminal import console
 
 
 def run(config: Path, settings: Sequence[str], graph: Path | None) -> int:
     """Explain a system; the exit code. ``graph``: the picture's .svg, .png or .pdf file."""
-    errors = Console(stderr=True, highlight=False, soft_wrap=True)
+    errors = console(stderr=True)
     try:
         system = System.from_toml(
             config, overrides(settings), lambda t: errors.print(t, markup=False)
@@ -25,7 +24,7 @@ def run(config: Path, settings: Sequence[str], graph: Path | None) -> int:
     except ConfigError as error:
         errors.print(str(error), markup=False)
         return MISUSED
-    out = Console(highlight=False, soft_wrap=True)
+    out = console()
     out.print(text(explain(system)), markup=False, end="")
     if graph is None:
         return DONE

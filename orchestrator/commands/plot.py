@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
-from rich.console import Console
 
 from ..config.model import Plot
 from ..config.parsing import parse
@@ -15,6 +14,7 @@ from ..exit_codes import DONE, FAILED, MISUSED
 from ..results.curves import chosen, missing
 from ..results.file import Results, read
 from ..results.plots import draw, figure_of, save
+from .terminal import console
 
 SUFFIXES = (".png", ".svg", ".pdf")
 
@@ -27,10 +27,10 @@ def plot(
 
     ``settings``: other keys of a plot, None where not given. Returns the exit code.
     """
-    console = Console(stderr=True, highlight=False, soft_wrap=True)
+    errors = console(stderr=True)
 
     def fail(text: str, code: int) -> int:
-        console.print(text, markup=False)
+        errors.print(text, markup=False)
         return code
 
     try:
@@ -40,8 +40,8 @@ def plot(
     if not len(results.time):
         return fail(f"{file} holds no samples", FAILED)
     if not results.complete:
-        console.print(f"{file} is incomplete: its run ended at t = {results.time[-1]:.6g} s, "
-                      "before its stop time", markup=False)  # fmt: skip
+        errors.print(f"{file} is incomplete: its run ended at t = {results.time[-1]:.6g} s, "
+                     "before its stop time", markup=False)  # fmt: skip
     problems = [missing(p, results) for p in signals if not chosen([p], results)]
     if problems:
         return fail("\n".join(map(str, problems)), MISUSED)
@@ -53,9 +53,7 @@ def plot(
         return fail(str(error), MISUSED)
     except OSError as error:
         return fail(f"cannot write the figure: {error}", FAILED)
-    Console(highlight=False, soft_wrap=True).print(
-        "\n".join(str(p) for p in paths), markup=False
-    )
+    console().print("\n".join(str(p) for p in paths), markup=False)
     return DONE
 
 

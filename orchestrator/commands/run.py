@@ -20,6 +20,8 @@ from ..results.file import FILE, read
 from ..results.table import TABLE, UNITS, write_csv
 from ..run import Interrupted, Statistics
 from ..system import System
+from .terminal import console as terminal
+from .terminal import unwritable
 
 FIGURES = ".png"  # what figures are that are named after their titles
 EXAMPLE = ("los_formation", "system.toml")
@@ -40,20 +42,19 @@ def run(
     checkpoints: Checkpoints = Checkpoints(), isolate: bool = False,
 ) -> int:  # fmt: skip
     """Run a system; the exit code."""
-    console = Console(stderr=True, highlight=False, soft_wrap=True)
+    console = terminal(stderr=True)
 
     def say(text: str) -> None:
         console.print(text, markup=False)
 
     try:
-        system = System.from_toml(config, overrides(settings), say)
-        system = system.isolated() if isolate else system
+        system = System.from_toml(config, overrides(settings), say, isolate)
         _say_if_slow(system, say)
         graph = system.graph
         told = [f"note: {n}" for n in graph.notes] + [f"warning: {w}" for w in graph.warnings]
         for line in few(told):
             say(shorten(line, LONGEST, placeholder=CUT))
-        return _simulate(system, out, csv, checkpoints, console)
+        code, left = _simulate(system, out, csv, checkpoints, console)
     except ConfigError as error:
         say(str(error))
         return MISUSED
@@ -61,8 +62,11 @@ def run(
         say(str(error))
         return FAILED
     except OSError as error:
-        say(_unwritable(out, error))
+        say(unwritable(out, error))
         return FAILED
+    if left:
+        terminal().print(left, markup=False)
+    return code
 
 
 def demo(out: Path, settings: Sequence[str], csv: bool) -> int:
@@ -93,7 +97,8 @@ def overrides(settings: Sequence[str]) -> dict[str, Any]:
 
 def _simulate(
     system: System, out: Path, csv: bool, checkpoints: Checkpoints, console: Console
-) -> int:
+) -> tuple[int, str]:
+    """The exit code, and the line that says what there is now."""
     simulation = system.loaded.config.simulation
     ending, code, writable = "", DONE, True
     statistics: Statistics | None = None
@@ -107,7 +112,7 @@ def _simulate(
     except Interrupted as error:
         ending, code = f"interrupted: {error}", STOPPED
     except OSError as error:
-        ending, code, writable = _unwritable(out, error), FAILED, False
+        ending, code, writable = unwritable(out, error), FAILED, False
     if ending:
         console.print(ending, markup=False)
     if statistics is not None and not statistics.rested:
@@ -119,15 +124,10 @@ def _simulate(
         taken = f"{statistics.steps} steps accepted, {statistics.rejected} rejected"
         console.print(taken, markup=False)
     if writable:
-        _report(system, out, csv, code, console)
-    elif (samples := _samples(out)) > 0:
+        return code, _report(system, out, csv, code, console)
+    if (samples := _samples(out)) > 0:
         console.print(f"results until then in {out}: {FILE} ({samples} samples)", markup=False)
-    return code
-
-
-def _unwritable(out: Path, error: OSError) -> str:
-    why = "it is a file, not a folder" if out.is_file() else error.strerror or error
-    return f"cannot write to {out}: {why}"
+    return code, ""
 
 
 def _samples(out: Path) -> int:
@@ -139,15 +139,15 @@ def _samples(out: Path) -> int:
     return 0 if results.complete else len(results.time)
 
 
-def _report(system: System, out: Path, csv: bool, code: int, console: Console) -> None:
-    """Draw and tabulate what there is, and say in one line where it is."""
+def _report(system: System, out: Path, csv: bool, code: int, console: Console) -> str:
+    """Draw and tabulate what there is; the line that says where it is."""
     plots = system.loaded.config.plots
     for earlier in (TABLE, UNITS, *(plot.file_name(FIGURES) for plot in plots)):
         (out / earlier).unlink(missing_ok=True)  # of a run whose results are gone
     results = read(out / FILE)
     if not len(results.time):
         console.print(f"nothing recorded; messages in {out / 'log.txt'}", markup=False)
-        return
+        return ""
     parts = [f"{FILE} ({len(results.time)} samples of {len(results.series)} signals)"]
     if csv:
         parts += [p.name for p in write_csv(out / FILE, system.selection.recorded)]
@@ -158,9 +158,7 @@ def _report(system: System, out: Path, csv: bool, code: int, console: Console) -
     if (out / "log.txt").exists():
         parts.append("log.txt")
     state = "results" if code == DONE else "results until then"
-    Console(highlight=False, soft_wrap=True).print(
-        f"{state} in {out}: {', '.join(parts)}", markup=False
-    )
+    return f"{state} in {out}: {', '.join(parts)}"
 
 
 def _say_if_slow(system: System, say: Any) -> None:

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from os.path import isdir, isfile  # which answer for whatever is no path, too
+import os
+import signal
+import sys
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import closing, contextmanager
+from os.path import isdir, isfile, samefile  # which answer for whatever is no path, too
 from pathlib import Path
 
 from rich.console import Console
@@ -21,12 +26,12 @@ def verify(
     from ...fmus.verify import render
     from ...fmus.verify.bench import ARCHIVE, Options, planned
     from ...fmus.verify.bench import verify as run
-    from ...fmus.verify.findings import CheckResult
+    from ...fmus.verify.findings import CheckResult, visible
     from ...fmus.verify.registry import FAMILIES, checks
 
-    errors = Console(stderr=True, highlight=False, soft_wrap=True)
+    errors = Console(stderr=True, highlight=False, soft_wrap=True, emoji=False)
     names = [*checks(), *FAMILIES, ARCHIVE]
-    problems = [f"there is no file {f}" for f in files if not isfile(f)]
+    problems = [f"there is no file {visible(str(f))}" for f in files if not isfile(f)]
     problems += [f"--only {n}: there is no such check; {nearest(n, names)}"
                  for n in only if n not in names]
     if reference and not isfile(reference):
@@ -35,30 +40,38 @@ def verify(
         problems.append("--reference: give one FMU with it")
     if junit and not isdir(junit.parent):
         problems.append(f"--junit: there is no folder {junit.parent}")
+    if junit and any(isfile(f) and isfile(junit) and samefile(f, junit) for f in files):
+        problems.append(f"--junit: {junit} is an FMU to be verified")
     if problems:
         errors.print("\n".join(problems), markup=False)
         return MISUSED
-    console = Console(highlight=False, soft_wrap=True)
+    console = Console(highlight=False, soft_wrap=True, emoji=False)
     options = Options(only, reference, seed, 20.0 if thorough else 1.0)
     reports = []
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(),
                TimeElapsedColumn())
-    with Progress(*columns, console=console, transient=True,
-                  disable=not console.is_terminal) as progress:
-        task = progress.add_task("", total=1 + len(planned(only)))
+    try:
+        with Progress(*columns, console=console, transient=True,
+                      disable=not console.is_terminal) as progress:
+            task = progress.add_task("", total=1 + len(planned(only)))
 
-        def begin(file: Path, check: str) -> None:
-            if check == ARCHIVE:
-                progress.reset(task)
-            progress.update(task, description=f"{file.name}  {check:<25}")
+            def begin(file: Path, check: str) -> None:
+                if check == ARCHIVE:
+                    progress.reset(task)
+                progress.update(task, description=f"{visible(file.name)}  {check:<25}")
 
-        def show(result: CheckResult) -> None:
-            console.print(render.line(result), markup=False)
-            progress.advance(task)
+            def show(result: CheckResult) -> None:
+                _say(console, render.line(result))
+                progress.advance(task)
 
-        for report in run(files, options, show, on_start=begin):
-            console.print(render.summary(report), markup=False)
-            reports.append(report)
+            with _terminable(), closing(run(files, options, show, on_start=begin)) as reports_of:
+                for report in reports_of:
+                    _say(console, render.summary(report))
+                    reports.append(report)
+    except _Unwritable as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for what is left to flush
+        errors.print(f"cannot write the report: {error}", markup=False)
+        return FAILED
     if junit:
         try:
             junit.write_bytes(render.junit(reports))
@@ -66,3 +79,32 @@ def verify(
             errors.print(f"--junit: cannot write {junit}: {error.strerror}", markup=False)
             return FAILED
     return DONE if all(r.passed for r in reports) else FAILED
+
+
+class _Unwritable(Exception):
+    """The report cannot be printed; the text says why."""
+
+
+def _say(console: Console, text: str) -> None:
+    """Print a part of the report. Raises _Unwritable, BrokenPipeError."""
+    try:
+        console.print(text, markup=False)
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise _Unwritable(error.strerror) from None
+
+
+@contextmanager
+def _terminable() -> Iterator[None]:
+    """Let SIGTERM and SIGHUP interrupt as Ctrl-C does, so that nothing is left behind."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    numbers = [getattr(signal, n) for n in ("SIGTERM", "SIGHUP") if hasattr(signal, n)]
+    before = {n: signal.signal(n, signal.default_int_handler) for n in numbers}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -68,21 +68,22 @@ class Loaded:
 
 
 def load(
-    path: Path, overrides: Mapping[str, Any] | None = None
+    path: Path, overrides: Mapping[str, Any] | None = None, isolate: bool = False
 ) -> tuple[Loaded, list[Problem]]:
     """Read a config, and every problem of its form; what is wrong is left out of it.
 
     ``overrides``: ``simulation.step``, ``record.every`` or the count ``repeat.i`` -> value.
+    ``isolate``: every instance will be isolated, whatever the config says.
     Raises ConfigError if the file cannot be read, or so much is wrong that nothing is left.
     """
     merged = merging.read(path)
     data, problems = _overridden(merged.data, overrides or {})
-    loaded, found = check(data, path.parent, tuple(merged.texts))
+    loaded, found = check(data, path.parent, tuple(merged.texts), isolate)
     return loaded, problems + found
 
 
 def check(
-    data: Mapping[str, Any], folder: Path, texts: Texts = ()
+    data: Mapping[str, Any], folder: Path, texts: Texts = (), isolate: bool = False
 ) -> tuple[Loaded, list[Problem]]:
     """Plain data as a config, and every problem of its form. Raises ConfigError as ``load``."""
     template_data = {"repeat": data["repeat"]} if "repeat" in data else {}
@@ -94,7 +95,7 @@ def check(
     config, found = _validated(Config, expansion.data, texts, expansion.origins)
     problems += found
     loaded = Loaded(config, folder, _with(data, expansion.read), texts, expansion.origins)
-    for path, what, remedy in inconsistencies(config):
+    for path, what, remedy in inconsistencies(config, isolate):
         problem = Problem(".".join(str(p) for p in path), what, remedy)
         problems.append(loaded.place(problem, path))
     return loaded, problems

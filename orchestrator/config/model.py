@@ -177,8 +177,13 @@ class Config(Repeats):
         return math.ceil((simulation.stop_time - simulation.start_time) / every - NEAR) + 1
 
 
-def inconsistencies(config: Config) -> Iterator[tuple[tuple[str | int, ...], str, str]]:
-    """What does not fit together: the place, what is wrong, and the remedy."""
+def inconsistencies(
+    config: Config, isolate: bool = False
+) -> Iterator[tuple[tuple[str | int, ...], str, str]]:
+    """What does not fit together: the place, what is wrong, and the remedy.
+
+    ``isolate``: every instance will be isolated, whatever the config says.
+    """
     simulation, every = config.simulation, config.record.every
     start, stop, step = simulation.start_time, simulation.stop_time, simulation.step
     count = max(1, round((stop - start) / step))
@@ -206,7 +211,7 @@ def inconsistencies(config: Config) -> Iterator[tuple[tuple[str | int, ...], str
         if instance.max_step is not None and instance.every * step / instance.max_step > PARTS:
             what = f"{instance.max_step:g} splits a step of {instance.every * step:g} into too many"
             yield ("instances", name, "max_step"), what, ""
-        if instance.time_limit is not None and not instance.isolate:
+        if instance.time_limit is not None and not (isolate or instance.isolate):
             what = "can be kept by an isolated FMU only"
             yield ("instances", name, "time_limit"), what, "add isolate = true"
     named = [plot.file_name(".png") for plot in config.plots]

@@ -17,6 +17,8 @@ import fmpy.model_description as fmd
 from lxml import etree
 
 from ...fmus.safe_archive import inspect
+from ...fmus.safe_description import description_problems
+from ..alike import few
 from ..errors import FmuError
 from .description import FmuDescription, Kind, Port
 from .units import BASE, Unit
@@ -48,6 +50,9 @@ def read(path: Path) -> FmuDescription:
             f"is of FMI {version or '(no version)'}",
             f"supported: FMI {', '.join(SUPPORTED)} for co-simulation",
         )
+    if problems := description_problems(text):
+        found = "; ".join(few(problems))
+        raise FmuError(str(path), f"has a modelDescription.xml that cannot be used: {found}")
     try:
         model = fmd.read_model_description(str(path), validate=False)
     except Exception as error:
@@ -195,8 +200,10 @@ def _shape(members: list[tuple[tuple[int, ...], Any]]) -> tuple[int, ...] | None
     if len({len(i) for i, _ in members}) != 1:
         return None
     shape = tuple(max(axis) for axis in zip(*(i for i, _ in members), strict=True))
+    if math.prod(shape) != len(members):
+        return None
     full = set(itertools.product(*(range(1, n + 1) for n in shape)))
-    return shape if {i for i, _ in members} == full and len(members) == len(full) else None
+    return shape if {i for i, _ in members} == full else None
 
 
 def _port(

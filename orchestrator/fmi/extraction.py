@@ -16,7 +16,7 @@ from pathlib import Path
 
 import platformdirs
 
-from ..errors import FmuError
+from ..errors import NO_ROOM, FmuError
 
 PART = 1 << 20  # bytes read at once
 
@@ -28,15 +28,24 @@ def root() -> Path:
 
 
 def unpacked(path: Path) -> Path:
-    """The folder with an FMU's files. Raises FmuError if the archive is damaged."""
+    """The folder with an FMU's files. Raises FmuError if the archive is damaged, or has no room."""
     try:
         folder = root() / digest(path)[:32]
         with zipfile.ZipFile(path) as archive:
             if not _intact(folder, archive):
                 _unpack(archive, folder)
     except (zipfile.BadZipFile, zlib.error, EOFError, OSError, ValueError) as error:
+        if isinstance(error, OSError) and _of_cache(error):
+            what = f"cannot be unpacked to {root()}: {error.strerror}"
+            raise FmuError(str(path), what, "SIGHTLINE_CACHE names another folder") from None
         raise FmuError(str(path), f"is a damaged archive: {error}") from None
     return folder
+
+
+def _of_cache(error: OSError) -> bool:
+    """Whether it is the folder of unpacked FMUs, or one above it, that cannot be written to."""
+    place = Path(error.filename or os.devnull)
+    return error.errno in NO_ROOM or place.is_relative_to(root()) or root().is_relative_to(place)
 
 
 def digest(path: Path) -> str:

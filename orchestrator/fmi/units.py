@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from ...fmus.units import UnitError as UnitError
@@ -65,7 +66,7 @@ def defined(unit: Unit) -> Unit:
 
 
 def conversion(source: Unit | None, destination: Unit | None) -> Conversion | None:
-    """How a value passes from one unit to another; None if it cannot.
+    """How a value passes from one unit to another; None if it cannot, or only as 0 or infinity.
 
     A unit that is absent is not checked; without definitions the names must agree.
     """
@@ -77,7 +78,9 @@ def conversion(source: Unit | None, destination: Unit | None) -> Conversion | No
         return None
     if (source.factor, source.offset) == (destination.factor, destination.offset):
         return UNCHANGED
-    return Conversion(
-        source.factor / destination.factor,
-        (source.offset - destination.offset) / destination.factor,
-    )
+    if destination.factor == 0.0:
+        return None
+    gain = source.factor / destination.factor
+    shift = (source.offset - destination.offset) / destination.factor
+    usable = gain != 0.0 and math.isfinite(gain) and math.isfinite(shift)
+    return Conversion(gain, shift) if usable else None

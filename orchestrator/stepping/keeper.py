@@ -11,7 +11,7 @@ from ..errors import ConfigError, Problem
 from ..results.file import copy_rows
 from .adaptive import Control
 from .recorder import Recorder
-from .snapshot import Snapshot, put, recall, take
+from .snapshot import Damaged, Snapshot, put, recall, take
 from .stepper import Stepper
 
 NEAR = 1e-6  # of a step: instants this close are one
@@ -84,13 +84,15 @@ def resumed(
 ) -> Snapshot:
     """The snapshot of a file, of so many values, from which a run goes on to the stop time.
 
-    Raises ConfigError if it is of another system or of later.
+    Raises ConfigError if it is damaged, of another system or of later.
     """
     where = f"--resume {path}"
     try:
         snapshot = Snapshot.read(path)
     except OSError as error:
         raise ConfigError([Problem(where, f"is not a snapshot: {error}")]) from None
+    except Damaged:
+        raise ConfigError([Problem(where, "is damaged")]) from None
     if snapshot.system != system:
         remedy = "only stop_time and plots may differ, and the FMUs must be the same"
         raise ConfigError([Problem(where, "is of another system", remedy)])

@@ -1,7 +1,8 @@
 """The whole state of a running system: every FMU's, and all values that pass between them.
 
 In a file: ``/values``, ``/states/<instance>`` as bytes, and as attributes the number of the step,
-the time, how many rows were recorded, what error control remembers, and which system it is of.
+the time, how many rows were recorded, what error control remembers, which system it is of, and
+the SHA-256 of all that.
 """
 
 from __future__ import annotations
@@ -22,6 +23,10 @@ from ..schedule.plan import Array
 from ..wiring.graph import SystemGraph
 from .adaptive import Control
 from .stepper import Stepper
+
+
+class Damaged(Exception):
+    """A file does not hold what was written to it."""
 
 
 @dataclass(frozen=True)
@@ -52,18 +57,34 @@ class Snapshot:
             file.attrs["rows"] = self.rows
             file.attrs["control"] = np.array(self.control, dtype=float)
             file.attrs["system"] = self.system
+            file.attrs["sha256"] = self.digest
         os.replace(part, path)
 
     @classmethod
     def read(cls, path: Path) -> Snapshot:
-        """Read a file. Raises OSError if it is none."""
+        """Read a file. Raises OSError if it is none, Damaged if not as it was written."""
         with opened(path) as file:
+            written = str(file.attrs.get("sha256"))
             states = {name: numbers(data).tobytes() for name, data in file["states"].items()}
-            return cls(
+            snapshot = cls(
                 int(file.attrs["number"]), float(file.attrs["time"]), numbers(file["values"]),
                 states, int(file.attrs["rows"]), tuple(map(float, file.attrs["control"])),
                 str(file.attrs["system"]),
             )  # fmt: skip
+        if snapshot.digest != written:
+            raise Damaged(path)
+        return snapshot
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of everything, in hexadecimal."""
+        counts = (self.number, self.rows, self.values.size, len(self.states))
+        exact = (float(x).hex() for x in (self.time, *self.control))
+        sha = hashlib.sha256(" ".join([self.system, *map(str, counts), *exact]).encode())
+        sha.update(self.values.tobytes())
+        for name, state in sorted(self.states.items()):
+            sha.update(f"{name} {len(state)} ".encode() + state)
+        return sha.hexdigest()
 
 
 def take(

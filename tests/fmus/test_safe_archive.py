@@ -76,10 +76,20 @@ def test_an_ordinary_archive_is_unpacked(write: Write, tmp_path: Path) -> None:
         ("C:/evil", "is absolute"),
         ("..\\evil", "has a backslash"),
         ("resources/a\nb", "has control characters"),
-        ("r/" * 600 + "x", "has 1201 characters"),
+        ("r/" * 600 + "x", "has 1201 bytes, 1 to 1024 are allowed"),
+        ("€" * 400, "has 1200 bytes, 1 to 1024 are allowed"),
+        ("", "has 0 bytes, 1 to 1024 are allowed"),
+        ("resources/" + "a" * 256, "a part of its name has 256 bytes, at most 255"),
+        ("resources/" + "€" * 86, "a part of its name has 258 bytes, at most 255"),
+        (".", "has an empty part or '.'"),
+        ("resources/.", "has an empty part or '.'"),
+        ("./modelDescription.xml", "has an empty part or '.'"),
+        ("binaries//linux64/m.so", "has an empty part or '.'"),
+        ("binaries/./linux64/m.so", "has an empty part or '.'"),
+        ("resources//", "has an empty part or '.'"),
     ],
 )
-def test_names_that_leave_the_folder_are_refused(
+def test_names_that_are_no_plain_path_in_the_folder_are_refused(
     name: str, detail: str, write: Write, tmp_path: Path
 ) -> None:
     path = write((named(name), b"evil"))
@@ -151,8 +161,49 @@ def test_packing_that_fmi_does_not_allow_is_refused(write: Write) -> None:
     assert kinds(path) == {"packing"}
 
 
-def test_names_that_are_one_file_on_some_platforms_are_refused(write: Write) -> None:
-    assert kinds(write(("resources/a", b""), ("resources/A", b""))) == {"repeated"}
+@pytest.mark.parametrize("other", ["A", "a.", "a ", "a::$DATA", "a\u0301", "\u00e1"])
+def test_names_that_are_one_file_on_some_platforms_are_refused(other: str, write: Write) -> None:
+    first = "resources/\u00c1" if other[-1] in "\u0301\u00e1" else "resources/a"
+    problems = inspect(write((first, b""), (f"resources/{other}", b"")))
+    assert [p.kind for p in problems] == ["repeated"]
+    assert "the same file as resources/" in str(problems[0])
+
+
+@pytest.mark.parametrize(
+    ("names", "found"),
+    [
+        (("resources", "resources/a"), "resources: is a file and a folder: resources/a"),
+        (("resources/a", "resources"), "resources: is a file and a folder: resources/a"),
+        (("Resources", "resources/a"), "Resources: is a file and a folder: resources/a"),
+        (("resources/a/", "resources/a"), "resources/a: is a file and a folder: resources/a/"),
+        (("modelDescription.xml/a",),
+         "modelDescription.xml: is a file and a folder: modelDescription.xml/a"),
+    ],
+)
+def test_names_of_both_a_file_and_a_folder_are_refused(
+    names: tuple[str, ...], found: str, write: Write
+) -> None:
+    assert [str(p) for p in inspect(write(*((n, b"") for n in names)))] == [found]
+
+
+def test_folders_may_stand_before_after_and_without_their_files(write: Write) -> None:
+    names = ("a/", "a/b/c", "a/b/", "a-b", "a.b/c", "ab", "b/c/d", "b/c.d")
+    assert inspect(write(*((n, b"") for n in names))) == []
+
+
+def test_a_folder_that_cannot_take_the_files_is_named(write: Write, tmp_path: Path) -> None:
+    (tmp_path / "out").write_bytes(b"")
+    with pytest.raises(UnsafeArchiveError, match=r"a\.fmu: cannot be unpacked to .*out: ") as found:
+        extract(write(), tmp_path / "out")
+    assert [p.kind for p in found.value.problems] == ["not unpacked"]
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device that is full: Linux only")
+def test_a_full_disk_is_said_to_be_full(write: Write, tmp_path: Path) -> None:
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out/modelDescription.xml").symlink_to("/dev/full")
+    with pytest.raises(UnsafeArchiveError, match=r"cannot be unpacked to .*: No space left on"):
+        extract(write(), tmp_path / "out")
 
 
 def test_an_archive_without_description_is_refused(write: Write) -> None:
@@ -202,6 +253,49 @@ def test_xml_that_does_harm_is_refused(description: bytes, detail: str, write: W
     problems = inspect(write(description=description))
     assert [p.kind for p in problems] == ["xml"]
     assert detail in problems[0].detail
+
+
+IDENTIFIER = b'modelIdentifier="m"'
+
+
+@pytest.mark.parametrize(
+    ("attribute", "detail"),
+    [
+        ('modelIdentifier="/tmp/evil"', "of CoSimulation is a path, '/tmp/evil'; FMI asks for"),
+        ('modelIdentifier="../../evil"', "is a path, '../../evil'; FMI asks for letters, digits"),
+        ('modelIdentifier="..\\evil"', "is a path"),
+        ('modelIdentifier="C:evil"', "is a path"),
+        ('modelIdentifier="&#47;evil"', "is a path, '/evil'"),
+        ('modelIdentifier="a&#10;b"', "is a path"),
+        ('modelIdentifier="."', "is a path"),
+        ('modelIdentifier=".."', "is a path"),
+        ('modelIdentifier=""', "the modelIdentifier of CoSimulation is empty"),
+        (f'modelIdentifier="{"m" * 201}"', "has more than 200 bytes"),
+        ("", "CoSimulation has no modelIdentifier"),
+        ('modelIdentifier="/evil"/><CoSimulation modelIdentifier="m"', "is a path, '/evil'"),
+        ('modelIdentifier="/evil"/><CoSimulation xmlns="n" modelIdentifier="m"', "is a path"),
+        ('modelIdentifier="m"/><ModelExchange modelIdentifier="/evil"', "of ModelExchange is a"),
+    ],
+)
+def test_identifiers_that_name_a_file_elsewhere_are_refused(
+    attribute: str, detail: str, write: Write
+) -> None:
+    problems = inspect(write(description=DESCRIPTION.replace(IDENTIFIER, attribute.encode())))
+    assert [p.kind for p in problems] == ["xml"]
+    assert detail in problems[0].detail
+
+
+@pytest.mark.parametrize("identifier", ["a-b", "a.b", "a b", "1a", "ä", "..a"])
+def test_identifiers_that_are_plain_names_are_allowed(identifier: str, write: Write) -> None:
+    attribute = f'modelIdentifier="{identifier}"'.encode()
+    assert inspect(write(description=DESCRIPTION.replace(IDENTIFIER, attribute))) == []
+
+
+def test_an_element_of_another_namespace_hides_no_binary(write: Write) -> None:
+    more = IDENTIFIER + b'/><CoSimulation xmlns="n" modelIdentifier="other"'
+    problems = inspect(write(("binaries/linux64/m.so", b"#!/bin/sh\n"),
+                             description=DESCRIPTION.replace(IDENTIFIER, more)))
+    assert [p.detail for p in problems] == ["is not a shared library"]
 
 
 def test_the_word_doctype_in_a_text_is_allowed(write: Write) -> None:

@@ -59,6 +59,15 @@ def test_description_with_entities_is_refused(tmp_path: Path) -> None:
         read(path)
 
 
+def test_identifier_that_is_a_path_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.fmu"
+    with zipfile.ZipFile(path, "w") as archive:
+        text = '<m fmiVersion="2.0"><CoSimulation modelIdentifier="../../evil"/></m>'
+        archive.writestr("modelDescription.xml", text)
+    with pytest.raises(FmuError, match=r"CoSimulation is a path, '\.\./\.\./evil'; FMI asks for"):
+        read(path)
+
+
 def test_binary_for_another_platform_is_named(make_fmu) -> None:
     path = make_fmu("plant", [], platform="amiga")
     with pytest.raises(FmuError, match=r"no binaries/.*; it has binaries for amiga; export it for"):

@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -175,6 +176,42 @@ def test_file_that_is_no_checkpoint_is_refused(
     with pytest.raises(ConfigError, match=message):
         system.execute(tmp_path / "out", resume=tmp_path / name)
     assert not (tmp_path / "out").exists()
+
+
+def flip(path: Path, name: str) -> None:
+    """Turn one bit of a dataset round, its lowest one of a number's mantissa."""
+    with h5py.File(path, "r+") as file:
+        content = bytearray(file[name][()].tobytes())
+        content[len(content) // 16 * 8] ^= 1
+        file[name][...] = np.frombuffer(content, dtype=file[name].dtype)
+
+
+def forget(path: Path) -> None:
+    """Take out what a checkpoint says of itself."""
+    with h5py.File(path, "r+") as file:
+        del file.attrs["sha256"]
+
+
+def shift(path: Path) -> None:
+    """Change the time by its last digit."""
+    with h5py.File(path, "r+") as file:
+        file.attrs["time"] = np.nextafter(file.attrs["time"], 0.0)
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [lambda p: flip(p, "values"), lambda p: flip(p, "states/craft"), shift, forget],
+    ids=["values", "state", "time", "no digest"],
+)
+def test_damaged_checkpoint_is_refused(
+    formation, tmp_path: Path, damage: Callable[[Path], None]
+) -> None:
+    system, path = System.from_toml(formation()), tmp_path / "out" / "checkpoint.h5"
+    system.execute(tmp_path / "out", checkpoint_every=1.0)
+    damage(path)
+    with pytest.raises(ConfigError, match=r"--resume .*checkpoint\.h5: is damaged"):
+        system.execute(tmp_path / "new", resume=path)
+    assert not (tmp_path / "new").exists()
 
 
 def test_checkpoint_without_its_results_is_refused(formation, tmp_path: Path) -> None:

@@ -53,7 +53,7 @@ def _values(lab: Lab, other: Lab, notes: Notes) -> None:
         rows.append(table[:, [names.index(n) for n in common]])
     other.close()
     error, column = deviation(rows[0], rows[1], np.full(len(common), FLOOR))
-    if error > TOLERANCE:
+    if not error <= TOLERANCE:
         row = int(np.argmax(np.abs(rows[0] - rows[1])[:, column]))
         notes.wrong(
             f"{common[column]} after step {row}", f"{rows[0][row, column]:.17g}",

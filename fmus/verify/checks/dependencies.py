@@ -48,6 +48,11 @@ def _perturb_all(
                 session.driver.set(variables, inputs)
                 continue
             notes.tried["perturbations"] += 1
+            if not np.all(np.isfinite(after)):
+                names = ", ".join(dict.fromkeys(m.name for m in members))
+                notes.wrong(names, "outputs that are not finite, with status OK",
+                            "an error status, or finite values")
+                continue
             at = 0
             for output in outputs:
                 part = slice(at, at + output.size)

@@ -116,7 +116,7 @@ def _disagreement(
     """Where a column differs by more than the difference can err; empty if nowhere."""
     size = max(float(np.max(np.abs(expected))), 1e-3)
     error = np.abs(found - expected)
-    if np.all(error <= TOLERANCE * size + rounding):
+    if np.all(np.isfinite(error)) and np.all(error <= TOLERANCE * size + rounding):
         return ""
     i = int(np.argmax(np.where(np.isnan(error), np.inf, error)))
     return f"d {rows[i]} is {found[i]:.9g}, not {expected[i]:.9g}"

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
-import pickle
 
 import numpy as np
 
@@ -62,14 +62,15 @@ def processes(lab: Lab, notes: Notes) -> None:
     if not hasattr(os, "fork"):
         raise NotApplicable("there is no fork on this platform")
     expected = lab.trajectory(lab.session())
-    found = _elsewhere(lab)
-    if found is None:
+    data = _elsewhere(lab, expected.nbytes)
+    if len(data) != expected.nbytes:
         notes.wrong("another process", "did not finish", "the same trajectory")
     else:
+        found = np.frombuffer(data).reshape(expected.shape)
         _compare(lab, notes, "another process", found, expected)
 
 
-def _elsewhere(lab: Lab) -> Array | None:
+def _elsewhere(lab: Lab, size: int) -> bytes:
     """The trajectory in a fork whose heap has been stirred, so that memory is not fresh zeros."""
     reader, writer = os.pipe()
     pid = os.fork()
@@ -78,14 +79,14 @@ def _elsewhere(lab: Lab) -> Array | None:
         try:
             waste = [bytes([170]) * (64 << (i % 9)) for i in range(2000)]
             del waste
-            data = pickle.dumps(lab.trajectory(lab.session()))
+            data = lab.trajectory(lab.session()).tobytes()
             with os.fdopen(writer, "wb") as out:
                 out.write(data)
         finally:
             os._exit(0)
     os.close(writer)
     with os.fdopen(reader, "rb") as stream:
-        data = stream.read()
-    os.waitpid(pid, 0)
-    result: Array | None = pickle.loads(data) if data else None
-    return result
+        data = stream.read(size)  # not to its end: what the FMU forks holds the pipe open
+    with contextlib.suppress(ChildProcessError):  # an FMU may have told the system to wait for it
+        os.waitpid(pid, 0)
+    return data

@@ -69,7 +69,7 @@ def _compare(lab: Lab, notes: Notes, where: str, found: Array, expected: Array) 
                       [v.size for v in lab.watched])
     floor = np.where(exact, 0.0, FLOOR)
     error, column = deviation(found[None], expected[None], floor)
-    if error > TOLERANCE:
+    if not error <= TOLERANCE:
         notes.wrong(where, f"{names[column]} = {found[column]:.9g}", f"{expected[column]:.9g}")
 
 
@@ -95,7 +95,7 @@ def drift(lab: Lab, notes: Notes) -> None:
     notes.tried["steps"] = count
     end = origin + MANY * h
     told = session.driver.last_time()
-    if told is not None and abs(told - end) > _slack(lab, end):
+    if told is not None and not abs(told - end) <= _slack(lab, end):
         notes.wrong("internal time at the end", f"{told:.17g}", f"{end:.17g}",
                     "end each step at its communication point plus its size; do not add up")
     _compare(lab, notes, "against few large steps", session.read(lab.watched),
@@ -122,7 +122,7 @@ def _lags(lab: Lab) -> bool:
     for k in range(LENGTH):
         session.step(h, lab.subject.start_time + k * h)
         told, point = session.driver.last_time(), lab.subject.start_time + (k + 1) * h
-        if told is not None and abs(told - point) > _rounding(point):
+        if told is not None and not abs(told - point) <= _rounding(point):
             return True
     return False
 

@@ -20,7 +20,7 @@ typedef struct {
 
 typedef struct {
     State s;
-    int type, odd;
+    int type, odd, large;
     fmi2CallbackLogger log;
     void *environment;
     char name[64];
@@ -196,8 +196,14 @@ fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n,
         value[i] += vr[i] == 5 ? damage : 0.0;
 #elif defined DEFECT_COUNTS_STEPS
         value[i] += vr[i] == 5 ? self->odd * 1e-9 : 0.0;
+#elif defined DEFECT_NAN_LARGE_STEP
+        if (self->large && vr[i] == 5)
+            value[i] = NAN;
+#elif defined DEFECT_NAN_LATER
+        if (s->time > 0.3 && vr[i] == 5)
+            value[i] = NAN;
 #endif
-#if !defined DEFECT_NAN
+#if !defined DEFECT_NAN && !defined DEFECT_NAN_LARGE_STEP && !defined DEFECT_NAN_LATER
         if (!isfinite(value[i]))
             return refuse(self, "not finite");
 #endif
@@ -300,6 +306,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real h, fmi2Boolean no
     State *s = &self->s;
     s->steps++;
     self->odd++;
+    self->large = h > 0.5;
 #if defined DEFECT_CRASH
     if (s->steps > 5)
         *(volatile int *)8 = 0;
@@ -309,6 +316,21 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real h, fmi2Boolean no
 #elif defined DEFECT_EXIT
     if (s->steps > 5)
         exit(3);
+#elif defined DEFECT_FORKS
+    if (s->steps == 5 && fork() == 0)
+        for (;;)
+            pause();
+#elif defined DEFECT_GARBAGE
+    for (int file = 3; file < 64; file++)
+        if (write(file, "garbage\n", 8) < 0)
+            continue;
+#elif defined DEFECT_FLOOD
+    char *flood = calloc(1, 1 << 22);
+    memset(flood, 'x', (1 << 22) - 1);
+    memcpy(flood, "\x1b[31m\xe2\x80\xae", 8);
+    fmi2Status refused = refuse(self, flood);
+    free(flood);
+    return refused;
 #elif defined DEFECT_LEAK_STEP
     lost = memset(malloc(9000), 1, 9000);
 #elif defined DEFECT_SHARED_STATE

@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
 import shutil
+import signal
+import subprocess
+import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -11,6 +17,7 @@ import pytest
 from sightline.fmus.build import build
 from sightline.fmus.native.platforms import compile_library, own_platform
 from sightline.fmus.safe_archive import extract
+from sightline.fmus.verify.bench import Options, verify
 from sightline.fmus.verify.findings import Report, Verdict
 from sightline.fmus.verify.registry import checks
 
@@ -37,6 +44,11 @@ IN_THE_SOURCE = [
     ("DRIFT", "steps.drift", "internal time at the end"),
     ("NAN", "inputs.running", "u = nan: der(x), y not finite after setting, with status OK"),
     ("NAN", "inputs.start", "k = nan"),
+    ("NAN_LARGE_STEP", "steps.partition", "reading the variables at 1 s: y not finite"),
+    ("NAN_LARGE_STEP", "steps.drift", "y not finite, with status OK"),
+    ("NAN_LATER", "steps.partition", "y not finite, with status OK"),
+    ("NAN_LATER", "steps.drift", "y not finite, with status OK"),
+    ("NAN_LATER", "determinism.instances", "y not finite, with status OK"),
     ("NO_MESSAGE", "inputs.running", "u = nan: refused on setting without a message"),
     ("CRASH_ON_NAN", "inputs.running", "u = nan, fmi2SetReal: crashed the process (SIGABRT)"),
     ("DERIVATIVE", "derivatives.directional", "by x: d z is"),
@@ -102,6 +114,59 @@ def test_a_hanging_fmu_is_ended_and_its_last_call_named(make: Make, check: Check
     assert report.failures[0].where.startswith("fmi2DoStep(")
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
+def test_processes_that_an_fmu_forks_end_with_the_check(
+    make: Make, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MARK", str(tmp_path))
+    began = time.monotonic()
+    (report,) = verify([make("FORKS")], Options(("determinism",)))
+    assert report.passed
+    assert time.monotonic() - began < 20.0  # not the time limits, of 60 s each
+    assert not _marked(tmp_path)
+
+
+def _marked(path: Path) -> list[str]:
+    """Processes that were started with a path in their environment."""
+    found = []
+    for folder in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):
+            if str(path) in (folder / "environ").read_text(errors="replace"):
+                found.append(folder.name)
+    return found
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+def test_an_interrupted_verify_leaves_no_process(
+    number: signal.Signals, make: Make, tmp_path: Path
+) -> None:
+    path = make("HANG")
+    arguments = ["-m", "sightline.orchestrator.cli", "verify", str(path), "--only", "calls.storm"]
+    (tmp_path / "temporary").mkdir()
+    command = subprocess.Popen(
+        [sys.executable, *arguments], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        env={**os.environ, "TMPDIR": str(tmp_path / "temporary")},
+    )  # fmt: skip
+    deadline = time.monotonic() + 20.0
+    while not list(tmp_path.glob("temporary/*/trace")) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    time.sleep(0.5)  # it hangs now
+    command.send_signal(number)
+    output, _ = command.communicate(timeout=10.0)  # until the process of the checks, too, has ended
+    assert not _marked(tmp_path)
+    assert b"Traceback" not in output
+    if number != signal.SIGKILL:
+        assert command.returncode == 130
+        assert not list((tmp_path / "temporary").iterdir())
+
+
+def test_garbage_in_all_files_is_a_finding(make: Make, check: Check) -> None:
+    report = check(make("GARBAGE"), only=("description.start", "calls.legal", "determinism.reset"))
+    assert "wrote into the bench's own channel" in str(report.result("calls.legal").findings[0])
+    assert report.result("description.start").verdict is Verdict.PASSED
+
+
 def test_a_crash_in_one_trial_does_not_hide_the_others(make: Make, check: Check) -> None:
     report = check(make("CRASH_ON_NAN"), only=("inputs.running",))
     assert [f.where for f in report.failures] == [
@@ -143,6 +208,13 @@ def test_fmus_of_one_model_that_disagree_are_caught(make: Make, check: Check) ->
     assert "as one.fmu" in str(report.failures[0])
 
 
+def test_a_value_that_is_no_number_agrees_with_none(make: Make, check: Check) -> None:
+    for names in (("one", "two"), ("two", "one")):
+        files = (make("", name=names[0]), make("NAN_LATER", name=names[1]))
+        report = check(*files, only=("agreement",))
+        assert "y not finite, with status OK" in str(report.failures[0])
+
+
 def test_fmus_of_one_model_that_agree_pass(make: Make, check: Check) -> None:
     report = check(make(name="one"), make(name="two"), only=("agreement",))
     assert report.result("agreement").verdict is Verdict.PASSED
@@ -178,6 +250,29 @@ def test_a_reference_that_is_missed_is_a_failure(
 ) -> None:
     path = make()
     path.with_name("bench_ref.csv").write_text(reference, encoding="utf-8")
+    assert found in str(check(path, only=("reference",)).failures[0])
+
+
+@pytest.mark.parametrize(
+    ("content", "found"),
+    [
+        (b"", "bench_ref.csv: has no rows"),
+        (b"time,x\n", "bench_ref.csv: has no rows"),
+        (b"time\n0\n1\n", "bench_ref.csv: has one column only; expected a column of times"),
+        (b"time;x\n0;1\n", "bench_ref.csv: has one column only; ';' does not separate"),
+        ("time,x\n0,1\n".encode("utf-16"), "bench_ref.csv: cannot be read: 'utf-8' codec"),
+        (b"time,x\n0,1\n1\n", "bench_ref.csv, line 3: has 1 values; expected 2"),
+        (b"time,x\n0,one\n", "bench_ref.csv, line 2, column x: 'one'; expected a finite number"),
+        (b"time,x\nnan,1\n", "bench_ref.csv, line 2, column time: 'nan'; expected a finite"),
+        (b"time,x\n0,1\n2,1\n1,1\n", "bench_ref.csv, line 4: goes back in time"),
+        (b"time,x,x\n0,1,1\n", "bench_ref.csv: has the column x more than once"),
+    ],
+)
+def test_what_is_wrong_with_a_reference_file_is_said(
+    content: bytes, found: str, make: Make, check: Check
+) -> None:
+    path = make()
+    path.with_name("bench_ref.csv").write_bytes(content)
     assert found in str(check(path, only=("reference",)).failures[0])
 
 

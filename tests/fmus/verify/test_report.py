@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 import xml.etree.ElementTree as ET
 import zipfile
 from collections.abc import Callable
@@ -36,7 +39,7 @@ def test_a_report_says_what_was_found_where_and_what_would_be_right() -> None:
     assert lines[2].endswith("(12 sequences, 3,456 calls)")
     assert "FAILED  inputs.running" in lines[3]
     assert lines[4].strip() == (
-        "u = nan: y is \x01 & not <finite>; expected an error status; refuse it"
+        "u = nan: y is \\x01 & not <finite>; expected an error status; refuse it"
     )
     assert lines[5].endswith("there is no a_ref.csv")
     assert lines[6] == "a.fmu: does not hold: 2 passed, 1 failed, 1 not applicable"
@@ -49,7 +52,7 @@ def test_junit_has_a_suite_per_file_and_a_case_per_check() -> None:
     cases = {c.get("name"): c for c in suite.iter("testcase")}
     failure = cases["inputs.running"].find("failure")
     assert failure is not None
-    assert "y is ? & not <finite>" in str(failure.get("message"))
+    assert "y is \\x01 & not <finite>" in str(failure.get("message"))
     assert cases["reference"].find("skipped") is not None
     assert not list(cases["archive"])
 
@@ -92,9 +95,31 @@ def test_a_failed_check_exits_with_1(make: Make) -> None:
     assert "a step in mode instantiated: accepted; expected an error status" in done.output
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full device")
+@pytest.mark.parametrize("junit", [False, True])
+def test_a_report_that_cannot_be_written_exits_with_1(junit: bool, make: Make) -> None:
+    command = [sys.executable, "-m", "sightline.orchestrator.cli", "verify", str(make()),
+               "--only", "archive", *(["--junit", "/dev/full"] if junit else [])]
+    with open(os.devnull if junit else "/dev/full", "w") as out:
+        done = subprocess.run(command, stdout=out, stderr=subprocess.PIPE, text=True)
+    assert done.returncode == 1
+    words = "--junit: cannot write /dev/full" if junit else "cannot write the report"
+    assert done.stderr == f"{words}: No space left on device\n"
+
+
+def test_what_an_fmu_says_is_cut_and_made_visible(make: Make, check: Callable[..., Report]) -> None:
+    report = check(make("FLOOD"), only=("calls.legal",))
+    text = render.text(report)
+    assert len(text) < 20_000
+    assert text.isascii()
+    assert r"\x1b[31m\u202e" in text
+    assert ET.fromstring(render.junit([report])) is not None
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        (["{fmu}", "--junit", "{fmu}"], "is an FMU to be verified"),
         (["none.fmu"], "there is no file none.fmu"),
         (["{fmu}", "--only", "cals"], "there is no such check; did you mean calls"),
         (["{fmu}", "--reference", "none.csv"], "--reference: there is no file none.csv"),
