@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from ..safe_archive import DESCRIPTION, extract, inspect
+from ..safe_archive import DESCRIPTION, ArchiveProblem, UnsafeArchiveError, extract
 from ..safe_xml import Head, read_head
 from .findings import CheckResult, Finding, Report, Verdict
 from .registry import Check, selected
@@ -135,11 +135,13 @@ def verify(
 def _open(path: Path, folder: Path) -> tuple[CheckResult, Head]:
     """Look at an archive and unpack it if nothing is wrong."""
     began = time.monotonic()
-    problems = inspect(path)
+    problems: Sequence[ArchiveProblem] = ()
     head = Head()
-    if not problems:
+    try:
         extract(path, folder)
         head = read_head((folder / DESCRIPTION).read_bytes())
+    except UnsafeArchiveError as error:
+        problems = error.problems
     findings = tuple(
         Finding(ARCHIVE, p.member or path.name, "", p.detail, "nothing in it was executed")
         for p in problems
