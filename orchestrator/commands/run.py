@@ -111,6 +111,8 @@ def _simulate(
         ending, code = "\n".join([str(error), *getattr(error, "__notes__", ())]), FAILED
     except Interrupted as error:
         ending, code = f"interrupted: {error}", STOPPED
+    except BlockingIOError:
+        raise  # what is there is another run's
     except OSError as error:
         ending, code, writable = unwritable(out, error), FAILED, False
     if ending:

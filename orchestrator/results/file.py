@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import TracebackType
@@ -25,6 +26,7 @@ from ..schedule.plan import Array
 from ..wiring.graph import SystemGraph
 from ..wiring.signals import Signal
 from . import space
+from .claim import claimed
 from .hdf5 import numbers, opened
 from .provenance import fmus
 
@@ -46,7 +48,7 @@ class Column:
 class ResultsWriter:
     """Appends rows; ``expected`` is how many, if known.
 
-    Raises OSError if the folder cannot be written.
+    Raises OSError if the folder cannot be written, or another run is writing there.
     """
 
     def __init__(
@@ -58,6 +60,20 @@ class ResultsWriter:
         expected: int | None = None,
     ) -> None:
         folder.mkdir(parents=True, exist_ok=True)
+        with ExitStack() as stack:
+            stack.enter_context(claimed(folder))
+            self._begin(folder, graph, signals, config, expected)
+            self._claim = stack.pop_all()
+
+    def _begin(
+        self,
+        folder: Path,
+        graph: SystemGraph,
+        signals: Sequence[Signal],
+        config: str,
+        expected: int | None,
+    ) -> None:
+        """Begin an empty file in place of any before. Raises OSError."""
         self.path = folder / FILE
         self.path.unlink(missing_ok=True)
         self.samples = 0
@@ -101,7 +117,10 @@ class ResultsWriter:
 
     def close(self) -> None:
         """Close the file."""
-        self._file.close()
+        try:
+            self._file.close()
+        finally:
+            self._claim.close()
 
     def _make_room(self, count: int) -> None:
         """Begin an empty file if there will be room for so many bytes. Raises OSError."""

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import platform
+import re
 import resource
 import shutil
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -287,17 +289,43 @@ def test_folder_is_made_with_its_parents(write, tmp_path: Path) -> None:
     assert read(out / "results.h5").complete
 
 
-def test_request_to_terminate_ends_the_run_in_good_order(write, tmp_path: Path) -> None:
-    path = write(plant=block("Integrator", "start = { u = 1.0 }"), simulation=LONG)
+@pytest.fixture
+def endless(write) -> Path:
+    """A system that runs for longer than a test."""
+    path: Path = write(plant=block("Integrator", "start = { u = 1.0 }"), simulation=LONG)
     path.write_text(path.read_text().replace("200.0", "2e6"))
-    System.from_toml(path)
-    out = tmp_path / "out"
+    System.from_toml(path)  # builds
+    return path
+
+
+@contextmanager
+def running(path: Path, out: Path) -> Iterator[subprocess.Popen[str]]:
+    """A run that has begun to write."""
     with subprocess.Popen(program("run", path, "--out", out), stderr=subprocess.PIPE,
                           stdout=subprocess.DEVNULL, text=True) as run:
         deadline = time.monotonic() + 20.0  # s: a busy machine
         while not (out / "results.h5").exists() or (out / "results.h5").stat().st_size < 50_000:
             assert time.monotonic() < deadline
             time.sleep(0.05)
+        yield run
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there the open file itself is in the way")
+def test_second_run_into_a_folder_is_refused(endless: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with running(endless, out) as first:
+        second = sightline("run", endless, "--out", out)
+        first.terminate()
+        _, said = first.communicate()
+    assert (second.returncode, first.returncode) == (1, 130)
+    assert second.stderr.endswith(f"cannot write to {out}: another run is writing there\n")
+    reached = float(re.search("stopped at t = (.*) s", said)[1])
+    assert read(out / "results.h5").time[-1] == pytest.approx(reached, rel=1e-5)
+
+
+def test_request_to_terminate_ends_the_run_in_good_order(endless: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with running(endless, out) as run:
         run.terminate()
         _, said = run.communicate()
     assert run.returncode == 130
