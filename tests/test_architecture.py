@@ -11,8 +11,8 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 BUILDERS = {"building.py", "cli.py"}  # of the orchestrator: commands that build what they name
-SHARED = {  # one place for both packages: how an .fmu file is opened, what a unit's name means
-    "sightline.fmus.safe_archive", "sightline.fmus.units",
+SHARED = {  # for both packages: how an .fmu file is opened and read, what a unit's name means
+    "sightline.fmus.safe_archive", "sightline.fmus.safe_description", "sightline.fmus.units",
 }
 
 

@@ -80,10 +80,11 @@ class Snapshot:
         """SHA-256 of everything, in hexadecimal."""
         counts = (self.number, self.rows, self.values.size, len(self.states))
         exact = (float(x).hex() for x in (self.time, *self.control))
-        sha = hashlib.sha256(" ".join([self.system, *map(str, counts), *exact]).encode())
+        head = " ".join([self.system, *map(str, counts), *exact])
+        sha = hashlib.sha256(head.encode(errors="surrogateescape"))  # damaged text too
         sha.update(self.values.tobytes())
         for name, state in sorted(self.states.items()):
-            sha.update(f"{name} {len(state)} ".encode() + state)
+            sha.update(f"{name} {len(state)} ".encode(errors="surrogateescape") + state)
         return sha.hexdigest()
 
 

@@ -14,10 +14,10 @@ from fmpy.validation import validate_fmu
 
 from ...safe_binary import EXTENSIONS, FOLDERS, offered
 from ...units import UnitError, unit
-from ..driver import NoInstance
+from ..driver import NoInstance, good
 from ..lab import Lab
 from ..registry import NotApplicable, Notes, check
-from ..subject import BOOLEANS, FLOATS, Variable
+from ..subject import BOOLEANS, FLOATS, NUMERIC, Variable
 
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 
@@ -154,6 +154,30 @@ def start(lab: Lab, notes: Notes) -> None:
                 notes.wrong(name, f"starts at {value:g}", limits)
             elif not np.isfinite(value):
                 notes.wrong(name, f"starts at {value:g}", "a finite value")
+
+
+@check("description.values", "variables have at the start the values that are declared")
+def values(lab: Lab, notes: Notes) -> None:
+    lab.require_interface()
+    declared = [
+        v for v in lab.subject.variables
+        if v.start is not None and len(v.start) == v.size and v.type in NUMERIC and not v.clocked
+        and (v.causality in ("input", "parameter") or v.initial == "exact")
+    ]  # fmt: skip
+    for interface in lab.subject.interfaces:
+        driver = lab.instance(interface=interface)
+        status = max(driver.setup(lab.subject.start_time), driver.enter_initialization())
+        for v in declared if good(status) else ():  # else the checks of calls tell
+            assert v.start is not None
+            status, found = driver.get([v])
+            if not good(status):
+                continue
+            notes.tried["values"] += v.size
+            near = 1e-6 if v.type == "Float32" else 1e-12
+            for name, value, said in zip(v.elements, found, v.start, strict=True):
+                if not abs(value - said) <= near * max(1.0, abs(said)) and np.isfinite(said):
+                    notes.wrong(name, f"is {value:.12g} at the start", f"{said:.12g} as declared")
+        driver.free()
 
 
 def functions(version: int, interface: str) -> set[str]:

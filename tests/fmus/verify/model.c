@@ -67,7 +67,7 @@ const char *fmi2GetVersion(void) { return fmi2Version; }
 static void to_start(Model *self)
 {
     const double x = self->s.x;
-    self->s = (State){.mode = NEW, .k = 1.0, .x = 1.0};
+    self->s = (State){.mode = NEW, .u = 0.5, .k = 1.0, .x = 1.0};
 #if defined DEFECT_RESET
     if (x != 0.0)
         self->s.x = x;

@@ -77,6 +77,8 @@ IN_THE_DESCRIPTION = [
     ('<BaseUnit m="2"/>', '<BaseUnit m="3"/>', "description.units",
      "m2: is defined as m3; expected m2"),
     ('start="1.0" min="0.1"', 'start="0.0" min="0.1"', "description.start", "k: starts at 0"),
+    ('start="1.0" min="0.1"', 'start="2.0" min="0.1"', "description.values",
+     "k: is 1 at the start; expected 2 as declared"),
     ('guid="{bench}"', 'guid="{other}"', "description.token", "wrong token"),
     ('<Unknown index="5" dependencies="1 3"/>', '<Unknown index="5" dependencies="3"/>',
      "dependencies", "y: changes with u; expected no change"),

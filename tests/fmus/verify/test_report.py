@@ -71,8 +71,8 @@ def test_a_sound_fmu_exits_with_0_and_writes_junit(make: Make, tmp_path: Path) -
     junit = tmp_path / "report.xml"
     done = CliRunner().invoke(app, ["verify", str(make()), "--only", "description",
                                     "--junit", str(junit)])
-    assert (done.exit_code, "bench.fmu: holds: 8 passed" in done.output) == (0, True), done.output
-    assert len(list(ET.parse(junit).iter("testcase"))) == 8
+    assert (done.exit_code, "bench.fmu: holds: 9 passed" in done.output) == (0, True), done.output
+    assert len(list(ET.parse(junit).iter("testcase"))) == 9
 
 
 @pytest.mark.parametrize(("terminal", "shown"), [("1", True), ("", False)])
