@@ -65,7 +65,7 @@ class Snapshot:
         """Read a file. Raises OSError if it is none, Damaged if not as it was written."""
         with opened(path) as file:
             written = str(file.attrs.get("sha256"))
-            states = {name: numbers(data).tobytes() for name, data in file["states"].items()}
+            states = {str(name): numbers(data).tobytes() for name, data in file["states"].items()}
             snapshot = cls(
                 int(file.attrs["number"]), float(file.attrs["time"]), numbers(file["values"]),
                 states, int(file.attrs["rows"]), tuple(map(float, file.attrs["control"])),
