@@ -16,6 +16,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from ..errors import nearest
 from ..exit_codes import DONE, FAILED, MISUSED
+from .terminal import console as terminal
 
 
 def verify(
@@ -29,7 +30,7 @@ def verify(
     from ...fmus.verify.findings import CheckResult, visible
     from ...fmus.verify.registry import FAMILIES, checks
 
-    errors = Console(stderr=True, highlight=False, soft_wrap=True, emoji=False)
+    errors = terminal(stderr=True)
     names = [*checks(), *FAMILIES, ARCHIVE]
     problems = [f"there is no file {visible(str(f))}" for f in files if not isfile(f)]
     problems += [f"--only {n}: there is no such check; {nearest(n, names)}"
@@ -45,7 +46,7 @@ def verify(
     if problems:
         errors.print("\n".join(problems), markup=False)
         return MISUSED
-    console = Console(highlight=False, soft_wrap=True, emoji=False)
+    console = terminal()
     options = Options(only, reference, seed, 20.0 if thorough else 1.0)
     reports = []
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(),
